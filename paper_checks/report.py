@@ -1,7 +1,6 @@
 """The report of a run: ``report.html`` to be read, ``claims.json`` to be computed with."""
 
 import json
-import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ from paper_checks.computed import LAWS, law, oscillator
 from paper_checks.figures import FIGURES
 from paper_checks.findings import SHORT, Finding, summary
 from paper_checks.formulas import EQUATIONS
-from stickslip_sym.comparison.trade import Row
+from stickslip_sym.comparison.compare import Row
 from stickslip_sym.comparison.tradeoff import SPEEDS, tradeoff
 from stickslip_sym.output.drawing import svg_uri
 from stickslip_sym.output.page.render import now, render, versions
@@ -97,12 +96,13 @@ def as_json(report: Report) -> dict[str, Any]:
 
 
 def _method(row: Row) -> dict[str, Any]:
-    numbers = {
-        "seconds": row.seconds, "relative_error": row.error,
-        "largest_relative_error": row.further.get("largest", math.nan),
-    }  # fmt: skip
-    finite = {key: value if math.isfinite(float(value)) else None for key, value in numbers.items()}
-    return {"method": row.name, **finite, "status": row.further.get("status")}
+    return {
+        "method": row.name,
+        "seconds": row.seconds,
+        "relative_error": row.relative_error,
+        "largest_relative_error": next(iter(row.further.values()), None),
+        "status": row.status and row.status.value,
+    }
 
 
 def _claim(claim: Claim, finding: Finding | None) -> dict[str, Any]:

@@ -1,13 +1,12 @@
 """``stickslip damping``: the threshold to a tolerance, or by every method."""
 
-import time
+from dataclasses import replace
 
 import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.options import Given, option
-from stickslip_sym.cli.output import echo_all, in_options, point_of
+from stickslip_sym.cli.output import Json, echo_all, in_options
 from stickslip_sym.cli.reading import points
-from stickslip_sym.output.tables import table
 
 _RTOL = 1e-10  # asked of every method that can be made more accurate, with --all
 
@@ -24,29 +23,25 @@ def run(given: Given) -> None:
 
     Example: stickslip damping exponential -p alpha=3 -V 0.5 -N 9.81 -m 1 -k 100 --all
     """
-    from stickslip_sym.comparison.compare import HEADER, Answer
-
     method = None if given["all"] else given["method"]
     rtol, limit = given["rtol"], given["time_limit"]
-    contents, texts = [], []
+    found, texts = list[Json](), []
     for at in points(given, without=("c",)):
         given.all_used()
         if method is None:
-            found = ss.compare(at.law, None, rtol=min(rtol or _RTOL, _RTOL), time_limit=limit, **at.texts)
-            answers = found.answers
-            text = table(HEADER, [[in_options(cell) for cell in answer.cells] for answer in answers])
-        else:
-            begin = time.perf_counter()
-            threshold = ss.pure_slip_damping(at.law, **at.texts, method=method, rtol=rtol, time_limit=limit)
-            answers = (Answer(method, threshold, "", time.perf_counter() - begin),)
-            _ = threshold.uncertainty  # warns where the first order is not enough
-            text = f"c = {threshold}"
-            if threshold.deserved is not None:
-                text += (
-                    "\nno more accurate a method than the parameters deserve: rtol = "
-                    f"{threshold.deserved:.1e}, a tenth of their relative standard error; give --rtol for more"
-                )
-            text = "\n\n".join(filter(None, map(str, (text, threshold.budget or "", threshold.theorem or ""))))
-        contents.append(point_of(at) | {"answers": answers})
-        texts.append(f"{at}\n\n{text}")
-    echo_all(given, contents, texts)
+            compared = ss.compare(at.law, None, rtol=min(rtol or _RTOL, _RTOL), time_limit=limit, **at.texts)
+            rows = tuple(replace(row, reason=in_options(row.reason)) for row in compared)
+            found.append({"operating_point": at, "rows": rows})
+            texts.append(f"{at}\n\n{replace(compared, rows=rows)}")
+            continue
+        threshold = ss.pure_slip_damping(at.law, **at.texts, method=method, rtol=rtol, time_limit=limit)
+        _ = threshold.uncertainty  # warns where the first order is not enough
+        text = f"c = {threshold}"
+        if threshold.deserved is not None:
+            text += (
+                "\nno more accurate a method than the parameters deserve: rtol = "
+                f"{threshold.deserved:.1e}, a tenth of their relative standard error; give --rtol for more"
+            )
+        found.append({"operating_point": at, "threshold": threshold})
+        texts.append("\n\n".join(map(str, filter(None, (at, text, threshold.budget, threshold.theorem)))))
+    echo_all(given, found, texts)

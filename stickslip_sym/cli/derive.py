@@ -9,7 +9,7 @@ import click
 import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.options import Given, option
-from stickslip_sym.cli.output import Json, echo_all, in_options, point_of, progress_bar
+from stickslip_sym.cli.output import Json, echo_all, in_options, progress_bar
 from stickslip_sym.cli.reading import criteria_of, point
 from stickslip_sym.core.errors import InputError, NoClosedForm
 
@@ -32,7 +32,7 @@ def run(given: Given) -> None:
 
     Example: stickslip derive "mu_m + (mu_s - mu_m)*exp(-alpha*v)" -p mu_s=0.5 -p mu_m=0.2 -p alpha=3
     """
-    from stickslip_sym.comparison.crosscheck import crosscheck, report
+    from stickslip_sym.comparison.crosscheck import crosscheck
     from stickslip_sym.model.negative import warn_where_negative
     from stickslip_sym.output import files
 
@@ -59,14 +59,14 @@ def run(given: Given) -> None:
     rows, texts = list[Json](), [str(at)]
     for one, form in derivations.items():
         found = None if isinstance(form, NoClosedForm) else form
-        checks = [] if law.missing else crosscheck(law, one, at.texts, found)
+        checks = None if law.missing else crosscheck(law, one, at.texts, found)
         rows.append({"criterion": one.name, "form": form, "checks": checks})
         lines = [f"no closed form: {law.name or 'the law'}, {one.name}"] if found is None else _lines(found)
         if steps and found is not None:
             rows[-1]["steps"] = found.derivation.steps
             lines += ["", found.derivation.text()]
-        texts.append("\n".join([*lines, *(["", in_options(report(checks))] if checks else [])]))
-    echo_all(given, [point_of(at) | {"criteria": rows}], texts)
+        texts.append("\n".join([*lines, *(["", in_options(str(checks))] if checks else [])]))
+    echo_all(given, [{"operating_point": at, "criteria": rows}], texts)
     if law.missing and forms:
         names = ", ".join(law.missing)
         click.echo(f"\nno value for {names}: give -p {law.missing[0]}=... for a table of values", err=True)

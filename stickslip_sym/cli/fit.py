@@ -41,11 +41,11 @@ def run(given: Given) -> None:
     for file in files:
         fits = fitted(file, laws, given)
         intervals = fits.best.confidence(profile=True) if profile else {}
-        contents.append(fits.content() | ({"profile_95": intervals} if intervals else {}))
+        contents.append({"file": file, "fits": fits} | ({"profile_95": intervals} if intervals else {}))
         texts.append("\n".join([*([f"{file}:"] if len(files) > 1 else []), *_lines(fits, intervals)]))
         if plot is not None:
             fits.plot(plot)
-    echo_all(given, contents, texts, {"files": dict(zip(map(str, files), contents, strict=True))})
+    echo_all(given, contents, texts, "files")
 
 
 def _lines(fits: Fits, intervals: dict[str, tuple[float, float]]) -> Iterator[str]:

@@ -5,7 +5,7 @@ import click
 import stickslip_sym as ss
 from stickslip_sym.cli.derive import derived
 from stickslip_sym.cli.options import LAW_NAMES, Given, command
-from stickslip_sym.cli.output import echo_json, law_of
+from stickslip_sym.cli.output import echo_json
 from stickslip_sym.cli.reading import criteria_of
 from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.output.tables import table
@@ -23,7 +23,7 @@ def run(given: Given) -> None:
     laws = list(ss.laws.values()) if name is None else [ss.laws.find(name)]
     forms = {} if name is None else {one.name: derived(laws[0], one) for one in criteria_of("all")}
     if given["json"]:
-        echo_json("laws", laws=[law_of(law) | ({"criteria": forms} if forms else {}) for law in laws])
+        echo_json("laws", laws=laws, **({"criteria": forms} if forms else {}))
     elif name is None:
         click.echo(
             table(["law", "mu(v)", "parameters"], [[str(law.name), law.text, _typical(law)] for law in laws])

@@ -25,7 +25,6 @@ _BELONGS = {
     "unit": "it belongs to the parameters of a formula or of --static",
     "extrapolate": "it belongs to --from-csv: a formula holds at all speeds",
     "column radius speeds leave_out keep_outliers": "it belongs to a file of measurements",
-    "x0 v0": "it belongs to --basins or --all",
     "criterion": "it belongs to the value of a criterion, or --all",
     "method": "every method is compared",
     "within": "it belongs to one quantity, --of NAME",

@@ -22,6 +22,8 @@ from stickslip_sym.model.operating_point import PAPER
 class Point:
     """A law and an operating point as they were given, and what was left to defaults."""
 
+    reported = ("law", "typical", "texts", "numbers", "defaults")
+
     law: ss.FrictionLaw  # with typical values where none was given
     typical: tuple[str, ...]  # names of these
     texts: dict[str, str]  # V, N, m, k, and c where the command takes it, perhaps with standard errors

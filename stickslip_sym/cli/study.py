@@ -9,7 +9,7 @@ import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.fit import fitted, laws_to_fit
 from stickslip_sym.cli.options import Given, option
-from stickslip_sym.cli.output import echo_all, in_options, point_of
+from stickslip_sym.cli.output import echo_all, in_options
 from stickslip_sym.cli.reading import assignments, law_described, points, reading_of
 from stickslip_sym.core.errors import InputError
 
@@ -76,6 +76,6 @@ def run(given: Given) -> None:
         if paper is not None:
             found.print(paper)
             written += f"\n{paper}: the same, printed"
-        contents.append({**point_of(one), "study": found, "page": page, "pdf": paper})
+        contents.append({"operating_point": one, "study": found, "page": page, "pdf": paper})
         texts.append("\n".join([f"{one}\n", *map(in_options, found.findings), written]))
     echo_all(given, contents, texts)

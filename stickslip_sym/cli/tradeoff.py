@@ -15,8 +15,6 @@ from stickslip_sym.cli.reading import point
     option("--basins", is_flag=True, help="Of the share of initial conditions that come to rest."),
     option("--all", is_flag=True, help="Of a criterion, a threshold and a share, in one run."),
     options.DAMPING,
-    option("--x0", metavar="FROM:TO", read=options.read_range, help="Initial displacements, in m."),
-    option("--v0", metavar="FROM:TO", read=options.read_range, help="Initial velocities, in m/s."),
     options.plot_option("Draw error against time"),
     options.time_limit("Seconds; methods that are left then have no number (600).", 600.0),
 )  # fmt: skip
@@ -38,11 +36,10 @@ def run(given: Given) -> None:
     elif not at.law.missing:
         warn_where_negative(at.law, at.numbers["V"])
     more = {"criterion": given["criterion"]} if "criterion" in kinds else {}
-    box: dict[str, Any] = {name: given[name] for name in ("x0", "v0")} if "basin" in kinds else {}
     limit, plot = given["time_limit"], given["plot"]
     given.all_used()
     quantities: dict[str, Any] = dict(at.texts)
-    found = ss.tradeoff(at.law, of=kinds, time_limit=limit, **more, **box, **quantities)
+    found = ss.tradeoff(at.law, of=kinds, time_limit=limit, **more, **quantities)
     echo_found(given, at, found, **more, trades=found.trades, refused=found.refused)
     if plot is not None:
         found.plot(plot)

@@ -1,13 +1,23 @@
-"""`compare`: the threshold of one operating point by every method, each with its error, status and time."""
+"""`compare`: the threshold of one operating point by every method, each with its error, status and time.
 
-import time
+What one method gives is a `Row`, which `measured` makes, and several are a `Comparison`: the table of `derive`,
+the trade-off and the study are made of the same rows.
+"""
+
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
+from time import process_time
 from typing import Any, TypeAlias, TypeVar
 
+import numpy as np
+
+from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.deadline import time_limit as limited
 from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.core.numbers import lookup, read_rtol
+from stickslip_sym.core.status import Status
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
@@ -22,81 +32,142 @@ from stickslip_sym.output.tables import duration, table
 Quantity: TypeAlias = float | str | UFloat
 """A quantity of an operating point in SI units, perhaps with a standard error."""
 Result = TypeVar("Result")
-HEADER = ("method", "c in kg/s", "relative error", "status", "time")
 
 
 @dataclass(frozen=True)
-class Answer:
+class Row:
     """What one method gives.
 
     Attributes
     ----------
     method : str
-    threshold : Threshold or None
-        None where the method gives no value.
+    value : float or str
+        Text where a float has too few digits; None where the method gives no value.
+    relative_error : float or None
+        None where it is unknown.
+    status : Status or None
+    seconds : float
+        Time of the processor, of one value.
     reason : str
         Why there is no value; empty where there is one.
-    seconds : float
-        Elapsed time.
+    setting : str
+        The method's tolerance, number of nodes, digits or initial conditions; empty where there is nothing to set.
+    threshold : Threshold or None
+        All that is known of a threshold.
+    further : mapping of str to float
+        What else was measured.
     """
 
     method: str
-    threshold: Threshold | None
-    reason: str
-    seconds: float
+    value: float | str | None = None
+    relative_error: float | None = None
+    status: Status | None = None
+    seconds: float = math.nan
+    reason: str = ""
+    setting: str = ""
+    threshold: Threshold | None = None
+    further: Mapping[str, float] = field(default_factory=dict)
 
     @property
-    def cells(self) -> list[str]:
-        """The row of a table: method, damping, relative error, status and time, as text."""
-        found = self.threshold
-        if found is None:
-            return [self.method, f"none: {self.reason}", "", "", ""]
-        error = "unknown" if found.relative_error is None else f"{found.relative_error:.1e}"
-        return [self.method, f"{found.value:.12g}", error, str(found.status), duration(self.seconds)]
+    def name(self) -> str:
+        """The method, and after a comma its setting."""
+        return ", ".join(filter(None, (self.method, self.setting)))
+
+    def text(self, column: str, form: str = ".1e") -> str:
+        """Return an attribute, or what else was measured, as a cell of a table."""
+        if self.value is None:
+            return f"none: {self.reason}" if column == "value" else ""
+        value = {**vars(self), **self.further}.get(column)
+        if value is None:
+            return "unknown"
+        if column == "seconds":
+            return duration(self.seconds)
+        return format(value, form) if isinstance(value, float) else str(value)
 
 
-def timed(compute: Callable[..., Result], *given: Any, **more: Any) -> tuple[Result | None, str, float]:
-    """Return what is computed, or None and why it is not, and the elapsed time in seconds."""
-    begin = time.perf_counter()
+def measured(
+    method: str,
+    compute: Callable[[], Result],
+    judge: Callable[[Result], Mapping[str, Any]],
+    *,
+    setting: str = "",
+    count: int = 1,
+    least: int = 1,
+    enough: float = 0.0,
+) -> Row:
+    """Run a method, and return what it gives, or why it gives nothing.
+
+    - `judge`: from its result to value, relative error and what else stands in a row.
+    - `count`: values that one run gives.
+    - `least, enough`: runs, and seconds that they take together, at least; the fastest counts.
+    """
+    times, begin = list[float](), process_time()
     try:
-        return compute(*given, **more), "", time.perf_counter() - begin
-    except StickSlipError as error:
-        return None, str(error), time.perf_counter() - begin
+        with np.errstate(all="ignore"):
+            while len(times) < least or sum(times) < enough:
+                check_time()
+                begin = process_time()
+                result = compute()
+                times.append(process_time() - begin)
+            return Row(method, setting=setting, seconds=min(times) / count, **judge(result))
+    except (ArithmeticError, NameError, StickSlipError) as error:  # NumPy has no polylog, and lambdify prints it
+        return Row(method, setting=setting, seconds=process_time() - begin, reason=str(error))
+
+
+def of_threshold(found: Threshold) -> dict[str, Any]:
+    """Return what stands in a row of a threshold."""
+    known = {name: getattr(found, name) for name in ("value", "relative_error", "status")}
+    return known | {"threshold": found}
 
 
 @dataclass(frozen=True, repr=False)
 class Comparison:
-    """The threshold of one operating point by several methods; `compare` makes it.
+    """One number at one operating point by several methods; `compare` makes that of a threshold.
 
     Attributes
     ----------
-    law : FrictionLaw
+    title : str
+    rows : tuple of Row
+        In the order of the methods, from the simplest on.
     point : mapping of str to Quantity
         V, N, m and k as they were given.
-    answers : tuple of Answer
-        In the order of the methods, from the simplest on.
     """
 
-    law: FrictionLaw
-    point: Mapping[str, Quantity]
-    answers: tuple[Answer, ...]
+    title: str
+    rows: tuple[Row, ...]
+    point: Mapping[str, Quantity] = field(default_factory=dict)
 
-    def __iter__(self) -> Iterator[Answer]:
-        return iter(self.answers)
+    def __iter__(self) -> Iterator[Row]:
+        return iter(self.rows)
 
-    def __getitem__(self, method: str) -> Answer:
-        """Return what a method gives, by its name."""
-        return lookup("method compared", method, {one.method: one for one in self.answers})
+    def __getitem__(self, method: str) -> Row:
+        """Return what a method gives, by its name and setting."""
+        return lookup("method compared", method, {row.name: row for row in self.rows})
+
+    def _columns(self) -> dict[str, Callable[[Row], str]]:
+        """Return the columns of a table, by their titles."""
+        return {
+            "method": lambda row: row.name,
+            "c in kg/s": lambda row: row.text("value", ".12g"),
+            "relative error": lambda row: row.text("relative_error"),
+            "status": lambda row: row.text("status"),
+            "time": lambda row: row.text("seconds"),
+        }
+
+    @property
+    def _table(self) -> tuple[list[str], list[list[str]]]:
+        columns = self._columns()
+        return list(columns), [[cell(row) for cell in columns.values()] for row in self.rows]
 
     def __str__(self) -> str:
-        return table(HEADER, [one.cells for one in self.answers])
+        return table(*self._table)
 
     def __repr__(self) -> str:
-        values = sum(one.threshold is not None for one in self.answers)
-        return f"Comparison: {self.law.name or 'a law'}, {len(self.answers)} methods, {values} with a value"
+        values = sum(row.value is not None for row in self.rows)
+        return f"{type(self).__name__}: {self.title}, {len(self.rows)} methods, {values} with a value"
 
     def _repr_html_(self) -> str:
-        return markup.block(markup.table(HEADER, [one.cells for one in self.answers], caption=repr(self)))
+        return markup.block(markup.table(*self._table, caption=repr(self)))
 
 
 def compare(
@@ -129,7 +200,7 @@ def compare(
     Returns
     -------
     Comparison
-        A method that gives no value here says why in its row.
+        A row for each method; one that gives no value here says why.
 
     Raises
     ------
@@ -139,9 +210,8 @@ def compare(
     Examples
     --------
     >>> from stickslip_sym import Oscillator, laws
-    >>> found = compare(laws.polynomial.typical(), Oscillator(m=1, k=100, V=0.5, N=9.81))
-    >>> for one in found:
-    ...     print(f"{one.method:13} {one.threshold.value:.6f} {one.threshold.status}")
+    >>> for row in compare(laws.polynomial.typical(), Oscillator(m=1, k=100, V=0.5, N=9.81)):
+    ...     print(f"{row.method:13} {row.value:.6f} {row.status}")
     equilibrium   3.310875 ESTIMATED
     least_squares 3.048107 ESTIMATED
     harmonic      3.034969 ESTIMATED
@@ -166,6 +236,6 @@ def compare(
     read_rtol(rtol, least=0.0, most=1.0)
     with limited(time_limit):  # refuses a limit that is no number of seconds: below, an error is a method's answer
         pass
-    options = {"rtol": rtol, "time_limit": time_limit, **point}
-    answers = (Answer(name, *timed(pure_slip_damping, law, method=name, **options)) for name in methods)
-    return Comparison(law, point, tuple(answers))
+    how: dict[str, Any] = {"rtol": rtol, "time_limit": time_limit, **point}
+    rows = (measured(name, partial(pure_slip_damping, law, method=name, **how), of_threshold) for name in methods)
+    return Comparison(law.name or "a law", tuple(rows), point)

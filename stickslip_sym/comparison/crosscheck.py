@@ -5,12 +5,13 @@ import textwrap
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import mpmath
 import numpy as np
 import sympy as sp
 
-from stickslip_sym.comparison.compare import timed
+from stickslip_sym.comparison.compare import Comparison, Row, measured
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Mpf
 from stickslip_sym.core.errors import StickSlipError
@@ -22,7 +23,6 @@ from stickslip_sym.formula.slope_average import slope_average
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
-from stickslip_sym.output.tables import duration, table
 
 _WIDTH = 100  # characters of a line of text
 _LARGE = 0.05  # relative difference of two values from which on its reason is named
@@ -34,19 +34,31 @@ _FEWEST = 5  # points of which one may be left out
 _ANGLES = (np.arange(2**15) + 0.5) * np.pi / 2**15
 
 
-@dataclass(frozen=True)
-class Check:
-    """One row: a value in kg/s and its relative difference from that of the first row; or a remark."""
+@dataclass(frozen=True, repr=False)
+class CrossCheck(Comparison):
+    """A criterion by its closed form and by quadrature, and the simulated threshold; errors are from the first.
 
-    method: str
-    value: str
-    difference: float | None = None
-    seconds: float = 0.0
+    - `remarks`: what has no number: how far measured points scatter, and why the threshold differs.
+    """
+
+    remarks: tuple[str, ...] = ()
+    reported = ("rows", "remarks")
+
+    def _columns(self) -> dict[str, Callable[[Row], str]]:
+        columns = super()._columns()
+        of_first = {"difference": lambda row: row.text("relative_error", ".2g")}
+        return {name: columns[name] for name in ("method", "c in kg/s")} | of_first | {"time": columns["time"]}
+
+    def __str__(self) -> str:
+        words = [
+            textwrap.fill(text, _WIDTH, subsequent_indent="  ", break_long_words=False) for text in self.remarks
+        ]
+        return "\n".join([super().__str__(), *words])
 
 
 def crosscheck(
     law: FrictionLaw, criterion: Criterion, point: Mapping[str, Number], form: ClosedForm | None, digits: int = 50
-) -> list[Check]:
+) -> CrossCheck:
     """Compute a criterion in closed form and by quadrature, and the simulated threshold, and why they differ."""
     numbers = {name: float(exact(value, name)) for name, value in point.items()}
     at = {name: point[name] for name in "VN"}
@@ -58,43 +70,31 @@ def crosscheck(
         "event-driven threshold": partial(_simulated, law, numbers, _SHOWN),
     }
     error = scatter(law, criterion, numbers["V"], numbers["N"])
-    checks, values, apart = list[Check](), list[Mpf | float](), 0.0
-    for method, compute in methods.items():
-        value, reason, seconds = timed(compute)
-        if value is None:
-            checks.append(Check(method, f"none: {reason}"))
-            continue
+    values = list[Mpf | float]()
+
+    def judge(value: Mpf | float) -> dict[str, Any]:
         values.append(value)
+        shown = digits if isinstance(value, mpmath.mpf) else _DIGITS
         with mpmath.workdps(digits):
             value = mpmath.mpf(value)
+            if error and value:
+                shown = min(shown, max(2, 2 + int(mpmath.floor(mpmath.log10(abs(value) / error)))))
             apart = float(abs(value - values[0]) / (abs(values[0]) or 1))
-        shown = digits if isinstance(values[-1], mpmath.mpf) else _DIGITS
-        if error and value:
-            shown = min(shown, max(2, 2 + int(mpmath.floor(mpmath.log10(abs(value) / error)))))
-        checks.append(Check(method, mpmath.nstr(value, shown), apart, seconds))
+            return {"value": mpmath.nstr(value, shown), "relative_error": apart}
+
+    rows = [measured(method, compute, judge) for method, compute in methods.items()]
+    remarks = list[str]()
     if error:
         text = f"the points' scatter alone makes that +-{error:.1g} kg/s, one standard error (jackknife)"
-        checks.append(Check("measured points", text))
-    if apart > _LARGE and values[0]:
+        remarks.append(f"measured points: {text}")
+    if values and values[0] and (rows[-1].relative_error or 0.0) > _LARGE:
         reasons = differences(law, criterion, numbers, float(values[0]), float(values[-1]))
-        checks += [Check("why the threshold differs", text) for text in reasons]
-    return checks
+        remarks += [f"why the threshold differs: {text}" for text in reasons]
+    return CrossCheck(criterion.name, tuple(rows), point, tuple(remarks))
 
 
 def _simulated(law: FrictionLaw, point: Mapping[str, float], rtol: float = _RTOL) -> float:
     return float(pure_slip_damping(law, **point, method="simulation", rtol=rtol).value)
-
-
-def report(checks: list[Check]) -> str:
-    """Return the checks as a table, and below it, in lines of a readable length, what has no number."""
-    rows, words = [], []
-    for check in checks:
-        if check.difference is None:
-            text = f"{check.method}: {check.value}"
-            words.append(textwrap.fill(text, _WIDTH, subsequent_indent="  ", break_long_words=False))
-        else:
-            rows.append([check.method, check.value, f"{check.difference:.2g}", duration(check.seconds)])
-    return "\n".join([table(["method", "c in kg/s", "difference", "time"], rows), *words])
 
 
 def differences(

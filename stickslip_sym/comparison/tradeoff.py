@@ -1,22 +1,24 @@
 """`tradeoff`: speed against accuracy, measured, of every method for a criterion, a threshold and a basin.
 
-One more method is one `Candidate` of the number that it is for.
+One more method is one row of the number that it is for.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import partial
-from time import process_time
-from typing import Any
+from textwrap import fill
+from typing import TYPE_CHECKING, Any
 
 import mpmath
 import numpy as np
 import sympy as sp
 from flint import arb
 
+from stickslip_sym.comparison.compare import Comparison, Row, measured, of_threshold
 from stickslip_sym.comparison.procedures import (
     Scan,
     comes_to_rest,
@@ -24,7 +26,6 @@ from stickslip_sym.comparison.procedures import (
     pure_slip_by_bisection,
     pure_slip_by_scan,
 )
-from stickslip_sym.comparison.trade import Row, Trade, Tradeoff
 from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
@@ -44,10 +45,14 @@ from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.classification import classify
 from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
+from stickslip_sym.output import drawing, markup
+from stickslip_sym.output.tables import table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 KINDS = ("criterion", "threshold", "basin")
-Ends = tuple[float, float]
-Further = Mapping[str, float | str]
 _DERIVING = 120.0  # seconds of the search for a closed form
 GAUSS_NODES = (2, 4, 8, 16, 32)
 DIGITS = (15, 30, 50)
@@ -59,7 +64,7 @@ BISECTED = (1e-3, 1e-6, 1e-9)
 """Tolerances of ``scipy.integrate.solve_ivp`` for a threshold, whose own is the first."""
 SCAN_STEP = 0.001  # kg/s, the paper's
 _FINE = 1e-11  # relative error that methods are asked for; a simulation states 1e-12 at best, and is refused there
-_REACH = 4 / 3  # of the box of initial conditions where none is given: in V/omega to both sides of 0, and in V
+_REACH = 4 / 3  # of the box of initial conditions: in V/omega to both sides of 0, and in V
 SIMULATED = (50, 200, 800)
 """Numbers of initial conditions that are simulated."""
 WRITTEN = 50
@@ -67,7 +72,113 @@ WRITTEN = 50
 TOLERANCES = (1e-3, 1e-6)
 """Of these runs; the first is SciPy's own."""
 _SEED = 1  # of the initial conditions
-_LEAST, _ENOUGH = 3, 0.02  # repetitions of a measurement, and seconds that they take together, at least
+_REPEATED: Any = {"least": 3, "enough": 0.02}  # runs of what takes less, and their seconds together, at least
+_LARGEST, _SPREAD = "largest error up to V = 1 m/s", "standard error"  # what else is measured
+
+_WIDTH, _HEIGHT = 7.2, 3.5  # inches, of a panel of the picture
+_SMALLEST = 1e-51  # error of a method whose own is less
+_TITLE = 95  # characters of a line above a panel
+_MARKERS = "os^Dv<>"
+_COLORS = ("tab:blue", "tab:red", "tab:green", "tab:purple", "tab:orange", "tab:brown", "tab:olive", "tab:cyan")
+
+
+@dataclass(frozen=True, repr=False)
+class Trade(Comparison):
+    """The methods for one number, each with its cost.
+
+    - `number`: what kind of number: "value" of a criterion, "threshold" or "share" of a basin.
+    - `point`: the operating point in SI units.
+    """
+
+    reported = ("title", "point", "rows", "dominators")
+
+    number: str = "value"
+
+    @property
+    def dominators(self) -> dict[str, tuple[str, ...]]:
+        """For each method which ones dominate it: at least as fast and as accurate, and better in one of the two.
+
+        Named are those that are not dominated themselves: they suffice, as one of them dominates what any does.
+        """
+        costs = {row.name: (row.seconds, row.relative_error or 0.0) for row in self.rows if row.value is not None}
+        by = {
+            name: [other for other, cost in costs.items() if cost != mine and np.less_equal(cost, mine).all()]
+            for name, mine in costs.items()
+        }
+        return {row.name: tuple(one for one in by.get(row.name, ()) if not by[one]) for row in self.rows}
+
+    def _columns(self) -> dict[str, Callable[[Row], str]]:
+        columns, by = super()._columns(), self.dominators
+        if self.number == "share":
+            columns = {"share" if name == "c in kg/s" else name: cell for name, cell in columns.items()}
+        for name in dict.fromkeys(name for row in self.rows for name in row.further):
+            columns[name] = partial(Row.text, column=name)
+        return columns | {"dominated by": lambda row: "; ".join(by[row.name])}
+
+    def __str__(self) -> str:
+        return f"{self.title}\n\n{table(*self._table)}"
+
+    def draw(self, ax: Axes) -> None:
+        """Draw error against time: filled what no other method dominates, and hollow what one does.
+
+        A method has a colour, and its settings have different markers.
+        """
+        by, front = self.dominators, list[tuple[float, float]]()
+        methods = list(dict.fromkeys(row.method for row in self.rows))
+        settings = Counter[str]()
+        for row in (row for row in self.rows if row.value is not None):
+            color = _COLORS[methods.index(row.method) % len(_COLORS)]
+            marker = _MARKERS[settings[row.method] % len(_MARKERS)]
+            settings[row.method] += 1
+            at = row.seconds, max(row.relative_error or 0.0, _SMALLEST)
+            face = "white" if by[row.name] else color
+            ax.plot(*at, marker, color=color, markerfacecolor=face, label=row.name)
+            front += [] if by[row.name] else [at]
+        if front:
+            ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.03), fontsize=8)
+            ax.plot(*np.transpose(sorted(front)), drawstyle="steps-post", color="0.75", lw=1, zorder=0)
+        ax.axhline(2.0**-52, color="0.8", lw=0.8, ls=":", zorder=0)
+        ax.set(xscale="log", yscale="log", xlabel=f"time for one {self.number} (s)", ylabel="relative error")
+        ax.set_title(fill(self.title, _TITLE), fontsize=8)
+        ax.minorticks_off()
+        ax.grid(alpha=0.25)
+
+
+@dataclass(frozen=True, repr=False)
+class Tradeoff(drawing.Drawn):
+    """What each method for a number costs, and how far it is off, from one run.
+
+    Attributes
+    ----------
+    trades : dict of str to Trade
+        By kind: "criterion", "threshold" and "basin", as far as they were asked for and measured. Each has `rows`,
+        with `seconds` and `relative_error`, and `dominators`.
+    refused : dict of str to str
+        Of the others that were asked for, why there is none.
+    """
+
+    trades: dict[str, Trade]
+    refused: dict[str, str] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        none = [f"{kind}: none: {reason}" for kind, reason in self.refused.items()]
+        return "\n\n".join([*map(str, self.trades.values()), *none])
+
+    def __repr__(self) -> str:
+        return (
+            f"Tradeoff: {', '.join(f'{len(one.rows)} methods for a {kind}' for kind, one in self.trades.items())}"
+        )
+
+    def _repr_html_(self) -> str:
+        picture = drawing.picture(self.plot, repr(self))
+        return markup.block(picture, *(markup.Markup(one._repr_html_()) for one in self.trades.values()))
+
+    def _figure(self) -> Figure:
+        figure: Figure
+        figure, axes = drawing.new_figure(_WIDTH, _HEIGHT * len(self.trades), len(self.trades))
+        for trade, ax in zip(self.trades.values(), axes[:, 0], strict=True):
+            trade.draw(ax)
+        return figure
 
 
 def tradeoff(
@@ -75,8 +186,6 @@ def tradeoff(
     *,
     of: str | Sequence[str] = KINDS,
     criterion: str | Criterion = "least_squares",
-    x0: tuple[float, float] | None = None,
-    v0: tuple[float, float] | None = None,
     time_limit: float | None = None,
     V: Number | None = None,
     N: Number | None = None,
@@ -94,9 +203,6 @@ def tradeoff(
         Of which numbers: "criterion", "threshold", "basin". Of several, one that cannot be measured here is left
         out, with the reason.
     criterion : str or Criterion
-    x0, v0 : tuple of float, optional
-        The box of initial conditions, displacements in m and velocities in m/s. If not given 4/3 V/omega to both
-        sides of 0, and from 0 to 4/3 V.
     time_limit : float, optional
         Seconds after which no other method is tried; those that are left give no number.
     V, N, m, k : float or str, optional
@@ -119,9 +225,9 @@ def tradeoff(
     Examples
     --------
     >>> from stickslip_sym import laws
-    >>> found = tradeoff(laws.hyperbolic.typical(), of="criterion", V="0.001")
-    >>> error = {row.name: row.error for row in found.trades["criterion"].rows}
-    >>> error["plain lambdify, array"] > 1e-9 > 1e-15 > error["stable function, array"]
+    >>> trade = tradeoff(laws.hyperbolic.typical(), of="criterion", V="0.001").trades["criterion"]
+    >>> lambdified, stable = trade["plain lambdify, array"], trade["stable function, array"]
+    >>> lambdified.relative_error > 1e-9 > 1e-15 > stable.relative_error
     True
     """
     law = as_law(law)
@@ -130,9 +236,8 @@ def tradeoff(
         raise InputError(f"of = {of!r} names nothing to measure; known: {', '.join(KINDS)}")
     for kind in kinds:
         lookup("trade of", kind, dict.fromkeys(KINDS))
-    for name, value in {"x0": x0, "v0": v0, "c": c}.items():
-        if value is not None and "basin" not in kinds:
-            raise InputError(f'{name} belongs to the basins of attraction: of = "basin"')
+    if c is not None and "basin" not in kinds:
+        raise InputError('c belongs to the basins of attraction: of = "basin"')
     if law.missing:
         raise InputError(f"the law has no value for {', '.join(law.missing)}; bind it first")
     chosen = find(criterion)
@@ -142,7 +247,7 @@ def tradeoff(
     trades: dict[str, Callable[[], Trade]] = {
         "criterion": lambda: _criterion(law, chosen, {**PAPER, "V": LOW_SPEED, **given}),
         "threshold": lambda: _threshold(law, numbers),
-        "basin": lambda: _basin(law, numbers, damping, x0, v0),
+        "basin": lambda: _basin(law, numbers, damping),
     }
     found, errors = dict[str, Trade](), dict[str, StickSlipError]()
     with deadline.time_limit(time_limit):
@@ -156,44 +261,9 @@ def tradeoff(
     return Tradeoff(found, {kind: str(error) for kind, error in errors.items()})
 
 
-# -- how a method is measured ------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """One method at one tolerance: a call of `compute` gives `count` values. What takes long is timed once."""
-
-    method: str
-    setting: str
-    compute: Callable[[], Any]
-    count: int = 1
-    repeated: bool = True
-
-
-def _measured(
-    candidates: Iterable[Candidate], judge: Callable[[Candidate, Any], tuple[float, Further]]
-) -> tuple[Row, ...]:
-    """Measure every candidate; `judge` gives the relative error of its result, and what else is known."""
-    rows = []
-    for one in candidates:
-        times: list[float] = []
-        least, enough = (_LEAST, _ENOUGH) if one.repeated else (1, 0.0)
-        try:
-            with np.errstate(all="ignore"):
-                while len(times) < least or sum(times) < enough:
-                    deadline.check_time()
-                    begin = process_time()
-                    result = one.compute()
-                    times.append(process_time() - begin)
-        except (ArithmeticError, NameError, StickSlipError):  # NumPy has no polylog, and lambdify prints it
-            rows.append(Row(one.method, one.setting))
-        else:
-            rows.append(Row(one.method, one.setting, min(times) / one.count, *judge(one, result)))
-    return tuple(rows)
-
-
-def _shown(point: Mapping[str, object]) -> str:
-    return ", ".join(f"{name} = {value} {symbols.QUANTITIES[name].unit}" for name, value in point.items())
+def _title(what: str, law: FrictionLaw, point: Mapping[str, object]) -> str:
+    shown = ", ".join(f"{name} = {value} {symbols.QUANTITIES[name].unit}" for name, value in point.items())
+    return f"{what} of {law.name or 'the law'}, {shown}"
 
 
 # -- the value of a criterion ------------------------------------------------------------------------
@@ -209,30 +279,31 @@ def _criterion(law: FrictionLaw, criterion: Criterion, point: Mapping[str, Numbe
     if right == 0:
         raise InputError("the criterion is 0 at this operating point: nothing has a relative error")
 
-    def judge(_: Candidate, result: Any) -> tuple[float, Further]:
+    def judge(result: Any) -> dict[str, Any]:
         value = result if isinstance(result, mpmath.mpf) else mpmath.mpf(float(np.ravel(result)[0]))
         with mpmath.workdps(_REFERENCE_DIGITS):
-            return float(abs(value - right) / abs(right)), {}
+            return {"value": float(value), "relative_error": float(abs(value - right) / abs(right))}
+
+    def row(method: str, setting: str, compute: Callable[[], Any], count: int = 1) -> Row:
+        return measured(method, compute, judge, setting=setting, count=count, **_REPEATED)
 
     many = numbers | {"V": np.full(_ARRAY, at["V"])}
     plain = function_of(list(form.arguments.values()), form.expr, "numpy")
-    candidates = [
-        Candidate("plain lambdify", "array", partial(plain, *(many[name] for name in form.arguments)), _ARRAY),
-        Candidate("stable function", "array", partial(form, **many), _ARRAY),
-        Candidate("stable function", "one value", partial(form, **numbers)),
+    rows = [
+        row("plain lambdify", "array", partial(plain, *(many[name] for name in form.arguments)), _ARRAY),
+        row("stable function", "array", partial(form, **many), _ARRAY),
+        row("stable function", "one value", partial(form, **numbers)),
     ]
     if criterion.weight is not None and not jumps(law.expr):  # a rule for the slope misses a jump
         from scipy.integrate import quad
 
         integrand = _integrand(form, at["V"], at["N"])
-        candidates += [Candidate("Gauss rule", f"{n} nodes", _gauss_rule(integrand, n)) for n in GAUSS_NODES]
+        rows += [row("Gauss rule", f"{n} nodes", _gauss_rule(integrand, n)) for n in GAUSS_NODES]
         by_quad = partial(quad, integrand, 0, np.pi / 2, epsabs=0, epsrel=1e-13, full_output=1)
-        candidates.append(Candidate("scipy.integrate.quad", "", lambda: by_quad()[0]))
-    candidates += [
-        Candidate("mpmath", f"{digits} digits", partial(form.evaluate, digits, **numbers)) for digits in DIGITS
-    ]
-    title = f"{criterion.name} of {law.name or 'the law'}, {_shown({name: point[name] for name in 'VN'})}"
-    return Trade("value", title, _measured(candidates, judge), at)
+        rows.append(row("scipy.integrate.quad", "", lambda: by_quad()[0]))
+    rows += [row("mpmath", f"{digits} digits", partial(form.evaluate, digits, **numbers)) for digits in DIGITS]
+    title = _title(criterion.name, law, {name: point[name] for name in "VN"})
+    return Trade(title, tuple(rows), at)
 
 
 def _integrand(form: ClosedForm, V: float, N: float) -> Callable[[FloatArray], FloatArray]:
@@ -287,44 +358,43 @@ def _threshold(law: FrictionLaw, point: Mapping[str, float]) -> Trade:
         own = found.method == "orbit" or found.status is Status.PROVED
         return float(found.relative_error) if own else abs(found.value / reference - 1)
 
-    def judge(candidate: Candidate, result: Any) -> tuple[float, Further]:
-        if isinstance(result, float):
-            return abs(result / right - 1), {"largest": math.nan, "status": Status.ESTIMATED.value}
+    def judge(found: Threshold) -> dict[str, Any]:
         try:
-            errors = [error(by(candidate.method, V), there) for V, there in references.items() if there > 0]
+            errors = [error(by(found.method, V), there) for V, there in references.items() if there > 0]
         except (OutOfTime, NotConverged, NoThreshold):
             errors = []
-        return error(result, right), {"largest": max(errors, default=math.nan), "status": str(result.status)}
+        further = {_LARGEST: max(errors)} if errors else {}
+        return of_threshold(found) | {"relative_error": error(found, right), "further": further}
+
+    def judge_number(value: float) -> dict[str, Any]:
+        return {"value": value, "relative_error": abs(value / right - 1), "status": Status.ESTIMATED}
 
     osc = Oscillator(**point)
-    candidates = [Candidate(name, "", partial(by, name)) for name in methods()]
-    scan = partial(pure_slip_by_scan, law, osc, Scan(np.arange(0.0, 2 * right, SCAN_STEP)))
-    candidates.append(Candidate("Newmark scan", "", scan, repeated=False))
+    rows = [measured(name, partial(by, name), judge, **_REPEATED) for name in methods()]
+    scan = Scan(np.arange(0.0, 2 * right, SCAN_STEP))
+    rows.append(measured("Newmark scan", partial(pure_slip_by_scan, law, osc, scan), judge_number))
     for rtol in BISECTED:
         bisection = partial(pure_slip_by_bisection, law, osc, rtol)
-        candidates.append(Candidate("solve_ivp and bisection", f"rtol {rtol:.0e}", bisection, repeated=False))
-    shown = _shown({name: f"{value:g}" for name, value in point.items()})
-    title = f"threshold of {law.name or 'the law'}, {shown}"
-    return Trade("threshold", title, _measured(candidates, judge), point)
+        rows.append(measured("solve_ivp and bisection", bisection, judge_number, setting=f"rtol {rtol:.0e}"))
+    title = _title("threshold", law, {name: f"{value:g}" for name, value in point.items()})
+    return Trade(title, tuple(rows), point, "threshold")
 
 
 # -- the share of initial conditions -----------------------------------------------------------------
 
 
-def _basin(
-    law: FrictionLaw, point: Mapping[str, float], c: float | None, x0: Ends | None, v0: Ends | None
-) -> Trade:
+def _basin(law: FrictionLaw, point: Mapping[str, float], c: float | None) -> Trade:
     """Measure the methods for the share of initial conditions that come to rest, against its area."""
     osc = Oscillator(c=_between_thresholds(law, point) if c is None else c, **point)
     reach = _REACH * osc.V
-    x0, v0 = x0 or (-reach / osc.omega, reach / osc.omega), v0 or (0.0, reach)
+    x0, v0 = (-reach / osc.omega, reach / osc.omega), (0.0, reach)
     geometry = partial(basin_map, law, osc, x0=x0, v0=v0)
     basins = geometry()
     right = basins.share.get(Motion.REST)
     if right is None or right.counted or not right.value > right.error:
         settled = right is None or right.value == 0
         reason = "no initial condition comes to rest" if settled else "its basins are not settled"
-        raise InputError(f"{reason} in this box: nothing has a relative error; try another c or box")
+        raise InputError(f"{reason} near rest: nothing has a relative error; try another c")
 
     def rests(x: float, v: float) -> bool:
         return classify(law, osc, x0=x, v0=v) is Motion.REST
@@ -343,29 +413,26 @@ def _basin(
             found.append(decide(x, v))
         return found
 
-    def judge(_: Candidate, result: Any) -> tuple[float, Further]:
-        if not isinstance(result, list):
-            share = float(result.share[Motion.REST].value)
-            return float(right.error / right.value), {"share": share, "standard error": 0.0}
-        share, spread = float(np.mean(result)), math.sqrt(right.value * (1 - right.value) / len(result))
+    def judge(decided: list[bool]) -> dict[str, Any]:
+        share, spread = float(np.mean(decided)), math.sqrt(right.value * (1 - right.value) / len(decided))
         # The sample's own error is that of its size, and the share that is wrong of these very initial conditions.
-        wrong = share - float(np.mean(truth[: len(result)]))
-        return math.hypot(wrong, spread) / right.value, {"share": share, "standard error": spread}
+        wrong = share - float(np.mean(truth[: len(decided)]))
+        error = math.hypot(wrong, spread) / right.value
+        return {"value": share, "relative_error": error, "further": {_SPREAD: spread}}
 
+    exact = {"value": right.value, "relative_error": float(right.error / right.value), "further": {_SPREAD: 0.0}}
+    rows = [measured("geometry", geometry, lambda _: exact, **_REPEATED)]
     deciders = [("simulation", "", rests, count) for count in SIMULATED] + [
         (f"solve_ivp {name}", f"rtol {rtol:.0e}, ", partial(decide, law, osc, rtol=rtol), WRITTEN)
         for name, decide in (("with events", comes_to_rest), ("smoothed", comes_to_rest_smoothed))
         for rtol in TOLERANCES
     ]
-    candidates = [Candidate("geometry", "", geometry)] + [
-        Candidate(name, f"{setting}{count} samples", partial(sampled, decide, count), repeated=False)
-        for name, setting, decide, count in deciders
-    ]
+    for name, setting, decide, count in deciders:
+        rows.append(measured(name, partial(sampled, decide, count), judge, setting=f"{setting}{count} samples"))
     numbers = {name: getattr(osc, name) for name in "VNmkc"}
-    shown = ", ".join(f"{name} = {value:g}" for name, value in numbers.items())
-    box = f"x0 = {x0[0]:g} to {x0[1]:g} m, v0 = {v0[0]:g} to {v0[1]:g} m/s"
-    title = f"share of initial conditions that come to rest, {law.name or 'the law'}, {shown}, {box}"
-    return Trade("share", title, _measured(candidates, judge), numbers, {"x0": x0, "v0": v0})
+    shown = _title("share of initial conditions that come to rest", law, {n: f"{x:g}" for n, x in numbers.items()})
+    title = f"{shown}, x0 = {x0[0]:g} to {x0[1]:g} m, v0 = {v0[0]:g} to {v0[1]:g} m/s"
+    return Trade(title, tuple(rows), numbers, "share")
 
 
 def _between_thresholds(law: FrictionLaw, point: Mapping[str, float]) -> float:
@@ -376,6 +443,6 @@ def _between_thresholds(law: FrictionLaw, point: Mapping[str, float]) -> float:
     if not stable < threshold:
         raise NotConverged(
             f"rest is stable from {stable:.4g} kg/s on, and the threshold is {threshold:.4g} kg/s: rest and "
-            "stick-slip coexist at no damping; give c, and a box where some motions come to rest"
+            "stick-slip coexist at no damping; give c, at which some motions come to rest"
         )
     return (stable + threshold) / 2

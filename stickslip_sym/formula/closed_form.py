@@ -55,6 +55,8 @@ class ClosedForm(SlopeAverage):
         Of a sensitivity, what it is the derivative of, and by which parameter.
     """
 
+    reported = ("expr", "verdict")
+
     origin: "tuple[ClosedForm, str] | None" = None
 
     @property

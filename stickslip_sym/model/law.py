@@ -82,6 +82,8 @@ class FrictionLaw:
     0.5
     """
 
+    reported = ("name", "text", "static", "values", "uncertain", "parameters", "validity", "source")
+
     def __init__(
         self,
         formula: str | float | Expr,

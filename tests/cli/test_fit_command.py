@@ -21,11 +21,13 @@ def test_a_file_gives_the_fit_of_its_numbers(tmp_path, run):
     (tmp_path / "disc.csv").write_text(TEXT)
     code, out, err = run("fit", "disc.csv", "--law", "exponential", "--law", "linear", "--json")
     assert (code, err) == (0, "")
-    best, fit = read_json(out)["fits"][0], ss.fit(V, MU, laws="exponential").best
-    assert (best["law"], read_json(out)["measured"]) == ("exponential", "60 rows, v in m/s, mu from column 2")
-    for name, parameter in best["parameters"].items():
-        assert parameter["value"] == pytest.approx(fit.values[name], rel=1e-9)
-        assert parameter["confidence_95"] == pytest.approx(fit.confidence()[name], rel=1e-9)
+    found, fit = read_json(out)["fits"], ss.fit(V, MU, laws="exponential").best
+    best = found["fits"][0]
+    assert best["law"]["name"] == "exponential"
+    assert found["measured"]["understood"] == "60 rows, v in m/s, mu from column 2"
+    for name, value in best["values"].items():
+        assert value == pytest.approx(fit.values[name], rel=1e-9)
+        assert best["confidence"][name] == pytest.approx(fit.confidence()[name], rel=1e-9)
 
 
 @pytest.mark.parametrize(

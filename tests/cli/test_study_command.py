@@ -52,8 +52,8 @@ def test_numbers_for_a_program(tmp_path, run):
     assert (shown["command"], shown["page"], shown["study"]["verdict"]) == ("study", "page.html", found.verdict)
     assert shown["study"]["headline"] == found.headline
     assert shown["study"]["probability"] == found.probability
-    by_method = {one["method"]: one["threshold"]["value"] for one in shown["study"]["answers"]}
-    assert by_method == {one.method: one.threshold.value for one in found.answers}
+    by_method = {one["method"]: one["value"] for one in shown["study"]["answers"]}
+    assert by_method == {one.method: one.value for one in found.answers}
     changes = {row["name"]: row["change"] for row in shown["study"]["margins"]["rows"]}
     assert changes == {row.name: row.change if np.isfinite(row.change) else None for row in found.margins.rows}
     assert (tmp_path / "page.html").exists()

@@ -22,7 +22,8 @@ from paper_checks.findings import Finding
 from paper_checks.report import Report, as_json
 from paper_checks.report import page as page_of
 from paper_checks.terminal import verdicts
-from stickslip_sym.comparison.trade import Row
+from stickslip_sym import Status
+from stickslip_sym.comparison.compare import Row
 from stickslip_sym.output.drawing import svg_uri
 from stickslip_sym.output.markup import element, prose
 from stickslip_sym.output.page.render import versions
@@ -76,10 +77,11 @@ def test_the_page_and_the_numbers_of_a_report():
     findings = {id: Finding(id, "0 0.05 0.1 0.1287", Outcome.REPRODUCED, "it holds", "so") for id in CHECKED}
     names = ("equilibrium", "least_squares", "harmonic", "second_order", "proof")
     rows = [
-        Row(name, "", 1e-3, 10.0**-place, {"largest": 0.1, "status": "PROVED" if name == "proof" else "ESTIMATED"})
-        for place, name in enumerate(names)
+        Row(name, 2.5, 10.0**-place, Status.ESTIMATED, 1e-3, further={"largest": 0.1})
+        for place, name in enumerate(names[:-1])
     ]
-    rows.append(Row("Newmark scan", "", 2.0, 1e-3, {"largest": float("nan"), "status": "ESTIMATED"}))
+    rows.append(Row("proof", 2.5, 1e-12, Status.PROVED, 1e-3, further={"largest": 0.1}))
+    rows.append(Row("Newmark scan", 2.5, 1e-3, Status.ESTIMATED, 2.0))
     pictures = {figure.number: "data:," for figure in FIGURES}
     report = Report(findings, pictures, {"exponential": tuple(rows)}, versions(), "now")
     check_json(json.loads(json.dumps(as_json(report), allow_nan=False)))

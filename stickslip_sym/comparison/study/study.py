@@ -13,11 +13,11 @@ from typing import Any, TypeVar
 import numpy as np
 import sympy as sp
 
-from stickslip_sym.comparison.compare import Answer, compare, timed
+from stickslip_sym.comparison.compare import Row, compare
 from stickslip_sym.comparison.study.pictures import Plane, pictures, plane
 from stickslip_sym.core import symbols
 from stickslip_sym.core.deadline import time_limit as limited
-from stickslip_sym.core.errors import InputWarning
+from stickslip_sym.core.errors import InputWarning, StickSlipError
 from stickslip_sym.core.numbers import require_type
 from stickslip_sym.core.symbols import QUANTITIES
 from stickslip_sym.core.uncertain import UFloat
@@ -80,7 +80,7 @@ class Study:
     fit : Fit or None
         Where the law comes from.
     measured : Measurements or None
-    answers : tuple of Answer
+    answers : tuple of Row
         Thresholds by every method.
     choice : Averaged or None
         The threshold by every law that fits the measurements, and its average, where more than one fits.
@@ -100,13 +100,18 @@ class Study:
         That all this took.
     """
 
+    reported = (
+        "warnings", "headline", "verdict", "regime", "answers", "choice", "probability", "margins", "forms",
+        "fit", "refused", "defaults", "seconds",
+    )  # fmt: skip
+
     title: str
     law: FrictionLaw
     oscillator: Oscillator
     errors: Mapping[str, UFloat]
     fit: Fit | None
     measured: Measurements | None
-    answers: tuple[Answer, ...]
+    answers: tuple[Row, ...]
     choice: Averaged | None
     forms: Mapping[str, ClosedForm | str]
     regime: Regime | None
@@ -395,11 +400,12 @@ def study(
     each = seconds / _SHARE
 
     def part(what: str, compute: Callable[[], Part]) -> Part | None:
-        with limited(seconds):
-            value, reason, _ = timed(compute)
-        if reason:
-            refused[what] = reason
-        return value
+        try:
+            with limited(seconds):
+                return compute()
+        except StickSlipError as error:
+            refused[what] = str(error)
+            return None
 
     def estimate(law: FrictionLaw) -> SimpleNamespace:
         found = pure_slip_damping(law, **point, rtol=_ROUGH, time_limit=each)
@@ -413,7 +419,7 @@ def study(
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         parts: dict[str, Any] = {
-            "answers": compare(friction, rtol=_RTOL, time_limit=each, **point).answers,
+            "answers": compare(friction, rtol=_RTOL, time_limit=each, **point).rows,
             "forms": {key: _form(friction, key, seconds) for key in catalogue},
             "regime": part("motions", lambda: regime(friction, osc)),
             "motion": part("motion in time", lambda: simulate(friction, osc, t_end=periods, x0=0.0, v0=osc.V)),
@@ -457,5 +463,7 @@ def _form(law: FrictionLaw, criterion: str, seconds: float) -> ClosedForm | str:
     """Return a closed form, without a search by SymPy's integrator, which may take minutes."""
     if law.curve is not None:
         return "exact, piece by piece, and too long for a page; derive gives it"
-    form, reason, _ = timed(derive, law, criterion, time_limit=max(seconds, 1e-3), search=False)
-    return reason if form is None else form
+    try:
+        return derive(law, criterion, time_limit=max(seconds, 1e-3), search=False)
+    except StickSlipError as error:
+        return str(error)

@@ -23,6 +23,7 @@ from stickslip_sym.model.fitting.least_squares import Problem
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.output import markup
+from stickslip_sym.output.content import content
 from stickslip_sym.output.drawing import BLUE, Drawn, finish, new_figure, picture
 from stickslip_sym.output.tables import table
 
@@ -83,13 +84,9 @@ class _Report(Drawn):
     def _parts(self) -> list[str | Rows]:
         """Return sentences, and tables as a header and rows, in the order in which they are shown."""
 
-    @abstractmethod
-    def content(self) -> dict[str, object]:
-        """Return all that is said as nested dictionaries and lists that JSON holds."""
-
     def to_json(self) -> str:
         """Return all that is said as JSON."""
-        return json.dumps(self.content(), indent=2, ensure_ascii=False, allow_nan=False)
+        return json.dumps(content(self), indent=2, ensure_ascii=False, allow_nan=False)
 
     def __str__(self) -> str:
         return "\n\n".join(part if isinstance(part, str) else table(*part) for part in self._parts())
@@ -130,6 +127,11 @@ class Fit(_Report):
     ----------
     K. P. Burnham and D. R. Anderson, Model Selection and Multimodel Inference, Springer 2002: AICc and weights.
     """
+
+    reported = (
+        "law", "values", "standard_errors", "confidence", "covariance", "sigma", "chi_squared", "dof", "inflation",
+        "measured", "aicc", "weight", "warnings",
+    )  # fmt: skip
 
     free_law: FrictionLaw
     values: Mapping[str, float]
@@ -272,32 +274,6 @@ class Fit(_Report):
         pairs = zip(self.values.items(), self.standard_errors.values(), strict=True)
         return ", ".join(f"{name} = {with_error(value, error).replace(' ', '')}" for (name, value), error in pairs)
 
-    def content(self) -> dict[str, object]:
-        """Return all that the fit says as nested dictionaries and lists that JSON holds."""
-        parameters = {
-            name: {
-                "value": self.values[name],
-                "standard_error": self.standard_errors[name],
-                "confidence_95": list(interval),
-                "unit": self.law.parameters[name].unit,
-            }
-            for name, interval in self.confidence().items()
-        }
-        return {
-            "law": self.name,
-            "formula": self.law.text,
-            "parameters": parameters,
-            "covariance": self.covariance.tolist(),
-            "sigma": self.sigma,
-            "chi_squared": self.chi_squared,
-            "degrees_of_freedom": self.dof,
-            "rows_that_count_as_one": self.inflation,
-            "measured_from_to": [float(self.measured.v[0]), float(self.measured.v[-1])],
-            "aicc": self.aicc if math.isfinite(self.aicc) else None,
-            "weight": self.weight,
-            "warnings": list(self.warnings),
-        }
-
     def _figure(self) -> "Figure":
         figure: Figure
         figure, ((above,), (below,)) = new_figure(6.4, 5.0, 2, sharex=True, height_ratios=[3, 1])
@@ -360,9 +336,12 @@ class Fits(_Report, Sequence[Fit]):
     Attributes
     ----------
     measured : Measurements
+    fits : tuple of Fit
     rejected : dict of str to str
         Laws that these measurements do not determine, each with the reason.
     """
+
+    reported = ("measured", "fits", "rejected")
 
     def __init__(self, fits: Sequence[Fit], measured: Measurements, rejected: Mapping[str, str]) -> None:
         inflation = min(fits, key=lambda fit: fit.chi_squared).inflation
@@ -371,14 +350,14 @@ class Fits(_Report, Sequence[Fit]):
         least = ranked[0].aicc
         likelihoods = [math.exp((least - fit.aicc) / 2) if least < math.inf else 1.0 for fit in ranked]
         total = sum(likelihoods)
-        self._fits = tuple(replace(fit, weight=one / total) for fit, one in zip(ranked, likelihoods, strict=True))
+        self.fits = tuple(replace(fit, weight=one / total) for fit, one in zip(ranked, likelihoods, strict=True))
         self.measured = measured
         self.rejected = dict(rejected)
 
     @property
     def best(self) -> Fit:
         """The fit with the least AICc."""
-        return self._fits[0]
+        return self.fits[0]
 
     def average(self, quantity: Callable[[FrictionLaw], Any]) -> Averaged:
         """Return a quantity by each law that may be meant, and its average by their weights.
@@ -406,7 +385,7 @@ class Fits(_Report, Sequence[Fit]):
         '0.98 +/- 0.005'
         """
         rows, refused = list[ByLaw](), dict[str, str]()
-        for fit in self._fits:
+        for fit in self.fits:
             if fit.weight < _RATHER * self.best.weight:
                 continue
             try:
@@ -424,15 +403,15 @@ class Fits(_Report, Sequence[Fit]):
     def __getitem__(self, place: Any) -> Any:
         """Return a fit by its rank from 0, or by its law's name."""
         if isinstance(place, str):
-            return lookup("fit of the law", place, {fit.name: fit for fit in self._fits})
-        return self._fits[place]
+            return lookup("fit of the law", place, {fit.name: fit for fit in self.fits})
+        return self.fits[place]
 
     def __len__(self) -> int:
-        return len(self._fits)
+        return len(self.fits)
 
     def _parts(self) -> list[str | Rows]:
         rows = []
-        for fit in self._fits:
+        for fit in self.fits:
             above = f"{fit.aicc - self.best.aicc:.1f}" if math.isfinite(fit.aicc) else "-"
             warned = f"{n} warning{'s' * (n > 1)}" if (n := len(fit.warnings)) else ""
             rows.append([fit.name, above, f"{fit.weight:.3f}", f"{fit.sigma:.3g}", fit.values_in_words, warned])
@@ -446,15 +425,10 @@ class Fits(_Report, Sequence[Fit]):
         return parts
 
     def __repr__(self) -> str:
-        return f"Fits: {', '.join(f'{fit.name} ({fit.weight:.2g})' for fit in self._fits)}; {self.measured}"
+        return f"Fits: {', '.join(f'{fit.name} ({fit.weight:.2g})' for fit in self.fits)}; {self.measured}"
 
     def _figure(self) -> "Figure":
         return self.best._figure()
-
-    def content(self) -> dict[str, object]:
-        """Return all that the fits say as nested dictionaries and lists that JSON holds."""
-        fits = [fit.content() for fit in self._fits]
-        return {"measured": self.measured.understood, "fits": fits, "not_fitted": self.rejected}
 
 
 def _aicc(fit: Fit, inflation: float) -> float:

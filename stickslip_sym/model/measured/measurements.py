@@ -50,6 +50,8 @@ class Measurements:
         The file and its date.
     """
 
+    reported = ("understood", "source")
+
     v: FloatArray
     mu: FloatArray
     sigma: FloatArray | None = None

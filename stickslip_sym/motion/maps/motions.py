@@ -56,6 +56,8 @@ class MotionMap(Table):
         Whether Ctrl-C ended the computation: cells that were not reached have the reason `Reason.TIME`.
     """
 
+    reported = ("motion", "reason", "attractors")
+
     motion: ObjectArray
     attractors: dict[str, BoolArray]
     reason: ObjectArray

@@ -32,6 +32,8 @@ _MOST_CELLS = 1_000_000  # of a map; more are taken for a mistake
 class Axis:
     """An axis of a map."""
 
+    reported = ("name", "unit", "values")
+
     name: str  # as in formulas
     values: FloatArray  # ascending
     unit: str  # SI, "1" for a pure number, and empty where it is not known

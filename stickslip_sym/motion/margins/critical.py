@@ -74,6 +74,8 @@ class Critical:
         With "proof": two values, at one of which the slip from P returns to the belt's speed and at the other not.
     """
 
+    reported = ("value", "unit", "method", "relative_error", "sensitivity")
+
     of: str
     value: float
     unit: str | None

@@ -39,6 +39,8 @@ class Margin:
         The nearest critical values; None if there is none within reach.
     """
 
+    reported = ("name", "value", "below", "above", "change")
+
     name: str
     value: float
     below: Critical | None
@@ -93,6 +95,8 @@ class Margins:
     refused : mapping of str to str
         Quantities whose critical values could not be found, and why.
     """
+
+    reported = ("stick_slip", "threshold", "rows", "probability", "sampled", "refused")
 
     threshold: Threshold
     c: float

@@ -115,6 +115,8 @@ class Regime(drawing.Drawn):
         What was not found within the time limit, in words.
     """
 
+    reported = ("attractors",)
+
     law: FrictionLaw
     oscillator: Oscillator
     rtol: float

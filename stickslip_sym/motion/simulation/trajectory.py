@@ -129,6 +129,8 @@ class Trajectory:
         What kept the motion from going on, and what to try; empty as a rule.
     """
 
+    reported = ("motion", "change", "outcome", "note", "events")
+
     oscillator: Oscillator
     rtol: float
     stretches: tuple[Stretch, ...]

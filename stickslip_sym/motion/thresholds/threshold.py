@@ -71,6 +71,10 @@ class Threshold:
         Seconds that its derivatives may take, and the second order of its uncertainty.
     """
 
+    reported = (
+        "value", "method", "relative_error", "status", "uncertainty", "nonlinearity", "budget", "deserved",
+    )  # fmt: skip
+
     value: Any
     method: Any
     relative_error: Any

@@ -96,6 +96,8 @@ class Budget:
         Pairs with their coefficient of correlation.
     """
 
+    reported = ("deviations", "alone", "shares", "correlated")
+
     names: tuple[str, ...]
     deviations: Mapping[str, Any]
     alone: Mapping[str, Any]

@@ -185,9 +185,9 @@ def test_what_cannot_be_told_apart_is_said():
 def test_a_fit_reports_itself(fits, tmp_path):
     assert all(words in str(fits) for words in ("exponential", "AICc above"))
     assert "+/-" in str(fits.best)
-    assert [one["law"] for one in json.loads(fits.to_json())["fits"]] == [fit.name for fit in fits]
+    assert [one["law"]["name"] for one in json.loads(fits.to_json())["fits"]] == [fit.name for fit in fits]
     one = json.loads(fits["gaussian"].to_json())
-    assert one["parameters"]["v_s"]["unit"] == "m/s"
+    assert one["law"]["parameters"]["v_s"]["unit"] == "m/s"
     assert one["covariance"][0][1] == one["covariance"][1][0]
     for one in (fits, fits.best, fits.measured):
         assert repr(one).startswith(f"{type(one).__name__}: ")
