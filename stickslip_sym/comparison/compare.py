@@ -79,7 +79,7 @@ class Row:
             return f"none: {self.reason}" if column == "value" else ""
         value = {**vars(self), **self.further}.get(column)
         if value is None:
-            return "unknown"
+            return "" if column == "status" else "unknown"
         if column == "seconds":
             return duration(self.seconds)
         return format(value, form) if isinstance(value, float) else str(value)
@@ -156,8 +156,9 @@ class Comparison:
 
     @property
     def _table(self) -> tuple[list[str], list[list[str]]]:
-        columns = self._columns()
-        return list(columns), [[cell(row) for cell in columns.values()] for row in self.rows]
+        cells = {title: [cell(row) for row in self.rows] for title, cell in self._columns().items()}
+        shown = {title: column for title, column in cells.items() if any(column)}
+        return list(shown), [list(row) for row in zip(*shown.values(), strict=True)]
 
     def __str__(self) -> str:
         return table(*self._table)

@@ -1,7 +1,6 @@
 """The figures of a study. They hold no text of the user's; the name of the law stands on the page."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import partial
 from typing import Any, TypeAlias
 
@@ -12,14 +11,14 @@ from stickslip_sym.core.errors import NotConverged, NoThreshold
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.model.fitting.result import band, draw_law
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.simulation.trajectory import Phase
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 from stickslip_sym.output.drawing import BLUE, GREEN, ORANGE, finish, new_figure, styled, svg_uri
 
 Look = dict[str, Any]
 Study: TypeAlias = Any
 """A `Study`, which asks for its pictures and so cannot be imported."""
+Plane: TypeAlias = dict[str, FloatArray]
+"""Belt speeds V, slope averages, exact thresholds in kg/s and their standard errors there; NaN where none is."""
 _SIZE = 4.6, 3.1  # inches: two beside each other on a screen and on paper
 _BAND = 1.96  # standard errors, 95 % of a normal distribution
 _POINTS = 33  # of a curve over belt speed
@@ -28,16 +27,6 @@ _RTOL = 1e-4  # of that curve, below the width of a line
 _MANY = 2000  # points of the motion over time
 _HEIGHT = 1.35  # of the plane, over the highest of thresholds at the operating point and its damping
 _AVERAGES = {"equilibrium": (ORANGE, "--"), "least_squares": ("black", ":"), "harmonic": ("0.35", "-.")}
-
-
-@dataclass(frozen=True)
-class Plane:
-    """Slope averages and exact thresholds over belt speed, in kg/s; NaN where there is none."""
-
-    V: FloatArray
-    averages: Mapping[str, FloatArray]
-    exact: FloatArray
-    uncertainty: FloatArray
 
 
 def plane(law: FrictionLaw, given: Mapping[str, float | UFloat], speed: float) -> Plane:
@@ -54,7 +43,7 @@ def plane(law: FrictionLaw, given: Mapping[str, float | UFloat], speed: float) -
         spread = 0.0 if found.budget is None else found.budget.uncertainty
         return np.array([found.value, np.broadcast_to(spread, V.shape)])
 
-    return Plane(V, averages, *exact(V))
+    return {"V": V, **averages, **dict(zip(("exact", "standard error"), exact(V), strict=True))}
 
 
 def pictures(study: Study) -> Iterator[tuple[str, str]]:
@@ -79,9 +68,8 @@ def _law(ax: Any, study: Study) -> None:
 
 
 def _plane(ax: Any, study: Study) -> None:
-    found: Plane = study.plane
-    osc: Oscillator = study.oscillator
-    rest, exact = found.averages["equilibrium"], found.exact
+    found, osc = study.plane, study.oscillator
+    V, rest, exact = (found[name] for name in ("V", "equilibrium", "exact"))
     # Opaque: an SVG gives a hatch the opacity of its face.
     both: Look = {"facecolor": "#fcf0e8", "edgecolor": ORANGE, "hatch": "////", "linewidth": 0}
     slips: Look = {"facecolor": "#e8f6f1", "edgecolor": GREEN, "hatch": r"\\\\..", "linewidth": 0}
@@ -90,37 +78,31 @@ def _plane(ax: Any, study: Study) -> None:
         (exact, rest, slips, "limit cycle in pure slip"),
     ):
         if (where := upper > lower).any():  # where neither is NaN
-            ax.fill_between(found.V, lower, upper, where=where, label=label, **style)
-    if np.nanmax(found.uncertainty, initial=0.0) > 0:
-        half = _BAND * found.uncertainty
+            ax.fill_between(V, lower, upper, where=where, label=label, **style)
+    if np.nanmax(found["standard error"], initial=0.0) > 0:
+        half = _BAND * found["standard error"]
         shade: Look = {"color": "#56B4E9", "alpha": 0.45, "linewidth": 0}
-        ax.fill_between(found.V, exact - half, exact + half, label="95 % band", **shade)
-    ax.plot(found.V, exact, color=BLUE, linewidth=2, label="threshold")
+        ax.fill_between(V, exact - half, exact + half, label="95 % band", **shade)
+    ax.plot(V, exact, color=BLUE, linewidth=2, label="threshold")
     for name, (color, dashes) in _AVERAGES.items():
-        ax.plot(found.V, found.averages[name], color=color, linestyle=dashes, label=name.replace("_", " "))
+        ax.plot(V, found[name], color=color, linestyle=dashes, label=name.replace("_", " "))
     spread = {name: _BAND * (study.standard_error(name) or 0.0) for name in "Vc"}
     ax.errorbar(
         [osc.V], [osc.c], [spread["c"]], [spread["V"]], fmt="o", color="black", markersize=6,
         markerfacecolor="white", markeredgewidth=1.5, zorder=5, label="operating point",
     )  # fmt: skip
     ax.legend(loc="upper right", fontsize=7.5)
-    finish(ax, xlabel="belt speed $V$ (m/s)", ylabel="damping $c$ (kg/s)", xlim=(0, found.V[-1]))
-    near = np.concatenate([exact, rest])[np.tile(found.V >= osc.V / 3, 2)]
+    finish(ax, xlabel="belt speed $V$ (m/s)", ylabel="damping $c$ (kg/s)", xlim=(0, V[-1]))
+    near = np.concatenate([exact, rest])[np.tile(V >= osc.V / 3, 2)]
     highest = max(near[np.isfinite(near)].max(initial=0.0), osc.c, 1e-9)
     ax.set_ylim(min(0.0, 1.2 * osc.c), _HEIGHT * highest)
 
 
 def _time(ax: Any, study: Study) -> None:
     end = study.motion.stretches[-1].end
-    t = np.linspace(0, end, _MANY)
-    state = study.motion.at(t)
-    sticks = state.phase == Phase.STICK
-    for name, where, color, width in (("slip", ~sticks, BLUE, 1.2), ("stick", sticks, ORANGE, 3.0)):
-        if where.any():
-            v = np.where(where, state.v, np.nan)
-            ax.plot(t, v, color=color, linewidth=width, solid_capstyle="butt", label=name)
+    study.motion.draw(ax)
     ax.axhline(study.oscillator.V, color="black", linestyle=":", linewidth=0.8, zorder=0, label="belt speed")
-    ax.legend(loc="lower right", ncols=3)
+    ax.legend(loc="lower right", ncols=2)
     finish(ax, xlabel="time $t$ (s)", ylabel=r"velocity $\dot x$ (m/s)", xlim=(0, end))
     low, high = ax.get_ylim()
     ax.set_ylim(low - 0.22 * (high - low), high)  # for the legend

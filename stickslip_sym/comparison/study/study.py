@@ -5,7 +5,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, TypeVar
@@ -55,7 +55,10 @@ _REACH = 3.0
 """Times a value, and its inverse: where margins are sought; no decision turns on those beyond."""
 _LEAST = 0.001
 """A probability below it is shown as no more than that."""
-_DERIVATIVES, _SECOND_ORDER = "derivatives of the threshold", "second order of its standard error"
+_OF_THRESHOLD = {
+    "sensitivity": "derivatives of the threshold",
+    "nonlinearity": "second order of its standard error",
+}
 _TEMPLATE = Path(__file__).with_name("study.html")
 _WIDEST = 260  # characters of a formula as text, up to which it fits a sheet when it is set
 _LONGEST = 1500  # characters that are shown at all
@@ -82,6 +85,12 @@ class Study:
     measured : Measurements or None
     answers : tuple of Row
         Thresholds by every method.
+    threshold : Threshold or None
+        By simulation or by the orbit, the more accurate; None where neither has one.
+    sensitivity : mapping of str to float, or None
+        Derivatives of the threshold.
+    nonlinearity : float or None
+        The standard error of the threshold to second order over that to first.
     choice : Averaged or None
         The threshold by every law that fits the measurements, and its average, where more than one fits.
     forms : mapping of str to ClosedForm or str
@@ -112,6 +121,9 @@ class Study:
     fit: Fit | None
     measured: Measurements | None
     answers: tuple[Row, ...]
+    threshold: Threshold | None
+    sensitivity: Mapping[str, float] | None
+    nonlinearity: float | None
     choice: Averaged | None
     forms: Mapping[str, ClosedForm | str]
     regime: Regime | None
@@ -125,24 +137,9 @@ class Study:
     seconds: float
 
     @property
-    def threshold(self) -> Threshold | None:
-        """The pure-slip damping by simulation or by the orbit, the more accurate; None where neither has one."""
-        exact = [one.threshold for one in self.answers if one.method in ("simulation", "orbit")]
-        return min(filter(None, exact), key=lambda found: found.relative_error, default=None)
-
-    @property
     def budget(self) -> Budget | None:
         """Which standard error brings how much of the threshold's; None where none does, or it was not found."""
-        found = self.threshold
-        return None if found is None or _DERIVATIVES in self.refused else found.budget
-
-    @property
-    def nonlinearity(self) -> float:
-        """The standard error of the threshold to second order over that to first; NaN where it was not found."""
-        found = self.threshold
-        if found is None or self.budget is None or _SECOND_ORDER in self.refused:
-            return math.nan
-        return float(found.nonlinearity)
+        return None if self.threshold is None or self.sensitivity is None else self.threshold.budget
 
     @property
     def by_law(self) -> tuple[ByLaw, ...]:
@@ -418,8 +415,10 @@ def study(
     own = [] if fit is None else [text for text in (fit.extrapolation(osc.V), *fit.warnings) if text]
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
+        answers = compare(friction, rtol=_RTOL, time_limit=each, **point).rows
+        exact = [row.threshold for row in answers if row.method in ("simulation", "orbit")]
+        threshold = min(filter(None, exact), key=lambda found: found.relative_error, default=None)
         parts: dict[str, Any] = {
-            "answers": compare(friction, rtol=_RTOL, time_limit=each, **point).rows,
             "forms": {key: _form(friction, key, seconds) for key in catalogue},
             "regime": part("motions", lambda: regime(friction, osc)),
             "motion": part("motion in time", lambda: simulate(friction, osc, t_end=periods, x0=0.0, v0=osc.V)),
@@ -431,6 +430,8 @@ def study(
                 ),
             ),
         }
+        for field, what in _OF_THRESHOLD.items():
+            parts[field] = None if threshold is None else part(what, partial(getattr, threshold, field))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", InputWarning)  # of laws that are not studied
         choice = part("choice of law", lambda: law.average(estimate)) if isinstance(law, Fits) else None
@@ -438,13 +439,15 @@ def study(
     said |= {str(one.message): one.category for one in caught}
     for text, category in said.items():
         warnings.warn(text, category, stacklevel=2)
-    found = Study(
+    return Study(
         title=name or friction.name or friction.text,
         law=friction,
         oscillator=osc,
         errors=carried,
         fit=fit,
         measured=measured if fit is None else fit.measured,
+        answers=answers,
+        threshold=threshold,
         choice=choice if choice is not None and len(choice.rows) > 1 else None,
         refused=refused,
         warnings=tuple(text for text, category in said.items() if issubclass(category, InputWarning)),
@@ -453,10 +456,6 @@ def study(
         seconds=time.perf_counter() - begin,
         **parts,
     )
-    if (threshold := found.threshold) is not None:
-        part(_DERIVATIVES, lambda: threshold.sensitivity)
-        part(_SECOND_ORDER, lambda: found.nonlinearity)
-    return found
 
 
 def _form(law: FrictionLaw, criterion: str, seconds: float) -> ClosedForm | str:

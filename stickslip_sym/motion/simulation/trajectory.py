@@ -21,6 +21,7 @@ from stickslip_sym.motion.motion import Motion
 from stickslip_sym.output import drawing, files, markup
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 _ROUNDING = 1e-12  # of the duration, by which a time may lie outside it
@@ -312,6 +313,18 @@ class Trajectory:
         phases = np.array([phase.name.lower() for phase in state.phase])
         files.write_csv(Path(path), numbers | {"phase": phases})
 
+    def draw(self, ax: "Axes", x: str = "t", y: str = "v", *, since: float = -math.inf) -> None:
+        """Draw two of t, x and v over each other, with stick and slip in different styles."""
+        for phase, style in _STYLES.items():
+            parts = list[FloatArray]()
+            for stretch in self.stretches:
+                if stretch.phase is phase and stretch.end > since:
+                    t = drawing.dense(np.unique(np.maximum(stretch.samples[0], since)))
+                    parts += [np.array((t, *stretch.course(t))), np.full((3, 1), np.nan)]  # a gap between two
+            if parts:
+                state = dict(zip("txv", np.concatenate(parts, axis=1), strict=True))
+                ax.plot(state[x], state[y], label=phase.value, **style)
+
     def plot(self, path: str | Path | None = None, *, since: float | None = None) -> "Figure":
         """Draw the time history and the phase plane, with stick and slip in different styles.
 
@@ -328,18 +341,8 @@ class Trajectory:
         figure = Figure(figsize=(8.4, 4.2), layout="constrained")
         panels = figure.subplot_mosaic("xp;vp", width_ratios=(3, 2))
         panels["x"].sharex(panels["v"])
-        begin = float(self.t[0]) if since is None else since
-        for phase, style in _STYLES.items():
-            parts = list[FloatArray]()
-            for stretch in self.stretches:
-                if stretch.phase is phase and stretch.end > begin:
-                    t = drawing.dense(np.unique(np.maximum(stretch.samples[0], begin)))
-                    parts += [np.array((t, *stretch.course(t))), np.full((3, 1), np.nan)]  # a gap between two
-            if parts:
-                t, x, v = np.concatenate(parts, axis=1)
-                panels["x"].plot(t, x, **style)
-                panels["v"].plot(t, v, **style)
-                panels["p"].plot(x, v, label=phase.value, **style)
+        for name, axes in {"x": "tx", "v": "tv", "p": "xv"}.items():
+            self.draw(panels[name], *axes, since=-math.inf if since is None else since)
         place, speed = "displacement $x$ (m)", "velocity $\\dot x$ (m/s)"
         for name, labels in {"x": ("", place), "v": ("time $t$ (s)", speed), "p": (place, speed)}.items():
             panels[name].set(xlabel=labels[0], ylabel=labels[1])
@@ -348,7 +351,7 @@ class Trajectory:
         for panel in panels.values():
             panel.grid(alpha=0.25)
         figure.align_ylabels([panels["x"], panels["v"]])
-        figure.legend(loc="outside upper center", ncols=len(_STYLES), frameon=False)
+        figure.legend(handles=panels["p"].lines, loc="outside upper center", ncols=len(_STYLES), frameon=False)
         if path is not None:
             drawing.save(figure, Path(path))
         return figure
