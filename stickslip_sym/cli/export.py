@@ -51,7 +51,7 @@ def run(given: Given) -> None:
     style: dict[str, Any] = {}
     if "latex" in targets:
         style = {"fragment": given["fragment"], "steps": given["steps"]}
-        style["symbols"] = _notation(given, laws)
+        style["symbols"] = assignments(given["symbol"], "--symbol V=v_b")
     given.all_used()
     unbound = _unbound(laws, every) if code else []
     found = [(law, criterion, derived(law, criterion, limit)) for law in laws for criterion in chosen]
@@ -96,18 +96,6 @@ def _laws(given: Given) -> list[ss.FrictionLaw]:
             raise InputError(f"the law {text!r} is given twice; give it once")
     described = given if len(texts) == 1 else defaultdict[str, Any](lambda: None)
     return [law_described(described, text) for text in texts]
-
-
-def _notation(given: Given, laws: list[ss.FrictionLaw]) -> dict[str, str]:
-    """Return how symbols are printed, refused before anything is derived, which may take long."""
-    from stickslip_sym.core import symbols
-    from stickslip_sym.output.notation import check_known, notation_of
-
-    notation, every = assignments(given["symbol"], "--symbol V=v_b"), ["mu", *symbols.QUANTITIES]
-    check_known(notation, [*every, *(name for law in laws for name in law.parameters)])
-    for law in laws:
-        notation_of([*every, *law.parameters], notation)
-    return notation
 
 
 def _unbound(laws: list[ss.FrictionLaw], every: bool) -> list[ss.FrictionLaw]:

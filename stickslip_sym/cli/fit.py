@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     option("--parameter", "-p", metavar="NAME=VALUE", multiple=True, help="Fix a parameter."),
     option("--unit", metavar="NAME=UNIT", multiple=True, help="Unit of a formula's parameter."),
     options.FILE_OF_MEASUREMENTS,
-    option("--profile", is_flag=True, help="Intervals of the best law from the sum of squares itself."),
     options.plot_option("Draw the best fit of the one file"),
 )  # fmt: skip
 def run(given: Given) -> None:
@@ -35,24 +34,17 @@ def run(given: Given) -> None:
 
     Example: stickslip fit disc.csv --law exponential --law stribeck --law "a + b/(d + v)" --plot fit.svg
     """
-    files, profile, plot = given["files"], given["profile"], given["plot"] if len(given["files"]) == 1 else None
+    files, plot = given["files"], given["plot"] if len(given["files"]) == 1 else None
     laws = laws_to_fit(given["law"], given)
-    contents, texts = [], []
+    found, texts = [], []
     for file in files:
         fits = fitted(file, laws, given)
-        intervals = fits.best.confidence(profile=True) if profile else {}
-        contents.append({"file": file, "fits": fits} | ({"profile_95": intervals} if intervals else {}))
-        texts.append("\n".join([*([f"{file}:"] if len(files) > 1 else []), *_lines(fits, intervals)]))
+        found.append({"file": file, "fits": fits})
+        above = f"{file}:\n" if len(files) > 1 else ""
+        texts.append(in_options(f"{above}{fits}\n\n{fits.best}"))
         if plot is not None:
             fits.plot(plot)
-    echo_all(given, contents, texts, "files")
-
-
-def _lines(fits: Fits, intervals: dict[str, tuple[float, float]]) -> Iterator[str]:
-    yield from (in_options(str(fits)), "", in_options(str(fits.best)))
-    if intervals:
-        yield from ("", "95 % intervals from the sum of squares")
-        yield from (f"  {name}: {low:.4g} to {high:.4g}" for name, (low, high) in intervals.items())
+    echo_all(given, found, texts, "files")
 
 
 def fitted(file: Path, laws: Sequence[ss.FrictionLaw], given: Given) -> Fits:

@@ -20,20 +20,6 @@ from stickslip_sym.model.operating_point import PAPER
 _PICTURES = (".svg", ".png", ".pdf")
 _LARGEST = 10**20
 """Of a number in SI units, and its inverse the smallest: beyond, no table could be computed in doubles."""
-_BELONGS = {
-    "name source": "it belongs to a formula or to measured points",
-    "unit": "it belongs to the parameters of a formula or of --static",
-    "extrapolate": "it belongs to --from-csv: a formula holds at all speeds",
-    "column radius speeds leave_out keep_outliers": "it belongs to a file of measurements",
-    "criterion": "it belongs to the value of a criterion, or --all",
-    "method": "every method is compared",
-    "within": "it belongs to one quantity, --of NAME",
-    "plot": "it draws the fit of one file",
-    "V N m k": "its critical values are computed",
-    "c": "the damping has no part in this",
-    "fragment steps symbol": "it belongs to --latex FILE",
-}
-"""Where options belong that do nothing elsewhere."""
 
 
 class Given:
@@ -52,29 +38,23 @@ class Given:
         """Refuse options that were given and have not been read; commands ask before they begin to compute."""
         for parameter in self._context.command.params:
             name = str(parameter.name)
-            stands = self._context.get_parameter_source(name) is ParameterSource.COMMANDLINE
-            if stands and name not in self._read:
-                reasons = (words for names, words in _BELONGS.items() if name in names.split())
-                reason = next(reasons, "it has no part in what was asked for")
-                raise InputError(f"{max(parameter.opts, key=len)} does nothing here: {reason}; leave it out")
+            is_given = self._context.get_parameter_source(name) is ParameterSource.COMMANDLINE
+            if is_given and name not in self._read:
+                option = max(parameter.opts, key=len)
+                raise InputError(f"{option} does nothing here: nothing asked for depends on it; leave it out")
 
 
 def command(*parameters: click.Parameter | Sequence[click.Parameter]) -> Callable[..., click.Command]:
     """Return a decorator that makes a function of `Given` the command of its file; its docstring is the help."""
-    listed = [[one] if isinstance(one, click.Parameter) else one for one in parameters]
-    flat = [
-        *(one for some in listed for one in some),
-        option("--json", is_flag=True, is_eager=True, help="Print JSON instead of text."),
-    ]
+    flat = [one for some in parameters for one in ([some] if isinstance(some, click.Parameter) else some)]
+    flat.append(option("--json", is_flag=True, is_eager=True, help="Print JSON instead of text."))
     if any(one.metavar == "FILE" and one.type is click.STRING for one in flat):
         flat.append(option("--overwrite", is_flag=True, is_eager=True, help="Let files be replaced."))
 
     def made(function: Callable[[Given], None]) -> click.Command:
-        def callback(**_: object) -> None:
-            function(Given(click.get_current_context()))
-
         name = function.__module__.rpartition(".")[2]
-        return click.Command(name, params=flat, help=function.__doc__, callback=callback)
+        run = click.pass_context(lambda context, **_: function(Given(context)))
+        return click.Command(name, params=flat, help=function.__doc__, callback=run)
 
     return made
 

@@ -83,15 +83,9 @@ def _run() -> int:
 
 def _explained(error: click.ClickException) -> str:
     """Return the message of a wrong command line as sentences, the last one where to look."""
-    message = error.format_message()
-    context = getattr(error, "ctx", None)
-    options = [name for option in (context.command.params if context else []) for name in option.opts]
-    other_case = getattr(error, "option_name", "").swapcase()
-    if not message.endswith(("?", ".")):
-        message += "."
-    if other_case in options:
-        message += f" Did you mean {other_case}?"
-    return f"{message} See: {context.command_path if context else 'stickslip'} --help"
+    message, context = error.format_message(), getattr(error, "ctx", None)
+    stop = "" if message.endswith(("?", ".")) else "."
+    return f"{message}{stop} See: {context.command_path if context else 'stickslip'} --help"
 
 
 @contextmanager

@@ -98,27 +98,16 @@ def point(given: Given, **more: Any) -> Point:
 
 def _toml(file: Path) -> dict[str, Any]:
     """Read a file of values; numbers stay the text that they are."""
-    known = ("V", "N", "m", "k", "c")
+    expected = "a point has lines such as V = 0.5, for law, V, N, m, k and c, and a table [parameters]"
     try:
         content = tomllib.loads(file.read_text(encoding="utf-8"), parse_float=str)
-    except OSError as error:
-        raise InputError(f"cannot read {str(file)!r}: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{file} is no text in UTF-8; save it as UTF-8") from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(
-            f"{file}: {error}; write lines such as V = 0.5, and parameters below [parameters]"
-        ) from None
-    if unknown := content.keys() - {"law", "parameters", *known}:
-        raise InputError(
-            f"{file}: there is no {min(unknown)}; a point has law, {', '.join(known)} and [parameters]"
-        )
-    if not isinstance(law := content.get("law", ""), str):
-        raise InputError(f'{file}: law = {law} is no text; write law = "NAME", or a formula in v')
-    if not isinstance(content.get("parameters", {}), dict):
-        raise InputError(
-            f"{file}: parameters are a table: write [parameters] and lines such as alpha = 3 below it"
-        )
+    except (OSError, ValueError) as error:  # what is no text in UTF-8, and no TOML, is a ValueError
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"cannot read {str(file)!r}: {reason}; {expected}") from None
+    if unknown := content.keys() - {"law", "parameters", *"VNmkc"}:
+        raise InputError(f"{file}: there is no {min(unknown)}; {expected}")
+    if not isinstance(content.get("law", ""), str) or not isinstance(content.get("parameters", {}), dict):
+        raise InputError(f"{file}: law is text, and parameters a table; {expected}")
     return content
 
 

@@ -55,9 +55,8 @@ def test_a_fit_is_printed_drawn_and_fixed(tmp_path, run):
     (tmp_path / "disc.csv").write_text(TEXT)
     laws = [word for law in ("exponential", "stribeck", "a + b/(d + v)") for word in ("--law", law)]
     line = ["fit", "disc.csv", *laws, "-p", "delta=1", "--plot", "fit.svg"]
-    code, out, err = run(*line, "--profile")
+    code, out, err = run(*line)
     assert (code, err) == (0, "")
     assert out.startswith("60 rows, v in m/s, mu from column 2\n\nlaw ")
-    assert "95 % intervals from the sum of squares" in out
     assert "delta =" not in out
     assert (tmp_path / "fit.svg").is_file()
