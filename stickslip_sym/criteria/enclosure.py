@@ -222,7 +222,8 @@ def average_ball(mu: Expr, point: Mapping[Expr, Expr | acb], criterion: Criterio
     """
     reach, kinks = speed if criterion.weight is None else 2 * speed, kinks_at(mu, point)
     inside = [place for place in kinks if ball(place).real < reach]
-    pieces = _pieces(mu, point, kinks, len(inside) + 1)
+    ends_of_pieces = [sp.Integer(0), *kinks, 2 * kinks[-1] if kinks else sp.Integer(1)]
+    pieces = smooth_pieces(mu, point, ends_of_pieces[: len(inside) + 2])
     if criterion.weight is None:
         return -ball_value(sp.diff(pieces[-1], symbols.v), {**point, symbols.v: acb(speed)}).real
     parts = [ball_function(piece, symbols.v, point) for piece in pieces]
@@ -257,7 +258,6 @@ def average_ball(mu: Expr, point: Mapping[Expr, Expr | acb], criterion: Criterio
     return (total / V).real
 
 
-def _pieces(mu: Expr, point: Mapping[Expr, Expr | acb], kinks: Sequence[Expr], count: int) -> list[Expr]:
-    """Return the first pieces of mu between its kinks, each chosen half-way: a kink itself may be rounded."""
-    ends = [sp.Integer(0), *kinks, 2 * kinks[-1] if kinks else sp.Integer(1)]
-    return [branch_from(mu, point, (left + right) / 2) for left, right in pairwise(ends[: count + 1])]
+def smooth_pieces(mu: Expr, point: Mapping[Expr, Expr | acb], ends: Sequence[Expr]) -> list[Expr]:
+    """Return mu between the ends, each piece chosen half-way: a kink itself may be rounded."""
+    return [branch_from(mu, point, (left + right) / 2) for left, right in pairwise(ends)]

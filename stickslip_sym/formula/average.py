@@ -26,6 +26,7 @@ from stickslip_sym.formula.proof.gate import verify
 from stickslip_sym.formula.proof.normal_form import normal_form
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal
 from stickslip_sym.formula.proof.recurrence import AVERAGES_AGREE, AverageSeries, definition
+from stickslip_sym.formula.proof.theorems import PieceByPiece
 from stickslip_sym.formula.tidy import factored
 from stickslip_sym.model.at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.terms import shapes_of
@@ -165,12 +166,12 @@ class Average:
         if part.by is None:
             evidence = f"{self.gate.evidence}; of a profile in pieces no proof is known here"
             verdict = Verdict(self.gate.status, evidence)
-        elif self.criterion.is_polynomial and not isinstance(part.by, AverageSeries):
-            reason = f"the antiderivative is found {reason}"
-            verdict = prove_equal(part.integral, part.value, part.by)
         else:
             verdict = prove_equal(part.integral, part.value, part.by, checked=self.gate)
-            reason += f"; {AVERAGES_AGREE}" if verdict.status is Status.PROVED else ""
+            if isinstance(part.by, PieceByPiece):
+                reason = f"the antiderivative is found {reason}"
+            elif isinstance(part.by, AverageSeries) and verdict.status is Status.PROVED:
+                reason += f"; {AVERAGES_AGREE}"
         statement = self._in_shapes(sp.Eq(part.integral, part.value, evaluate=False))
         return Step(operation, reason, statement, verdict)
 

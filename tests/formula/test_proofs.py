@@ -53,13 +53,14 @@ FALSE = {
     ),
     "a near miss": (V**2 * SLIGHTLY, V**2, None),
 }  # fmt: skip
+WITHOUT_VALUE = {"a pole inside", "a logarithm across its pole", "a divergent integral"}
 
 
 @pytest.mark.parametrize("name", FALSE)
 def test_nothing_false_is_proved_or_checked(name):
     lhs, rhs, by = FALSE[name]
     verdict = prove_equal(lhs, rhs, by)
-    assert verdict.status is Status.REFUTED
+    assert verdict.status is (Status.ESTIMATED if name in WITHOUT_VALUE else Status.REFUTED)
     assert verdict.evidence
 
 

@@ -4,45 +4,39 @@ An equation is PROVED when the difference of its sides reduces to zero by exact 
 for every value of its symbols and every choice of its unknown functions; functions in pieces are compared
 piece by piece. Where a theorem is needed on the way (a change of variable, the fundamental theorem of
 calculus) a `by` names it, and its hypotheses are checked. An equation that fails is REFUTED by a point:
-exact values at which its sides differ by more than the errors of evaluating them. Where these errors leave
+exact values at which balls around its sides, integrals and all, have no number in common. Where these balls leave
 it open, no more than ESTIMATED is claimed.
 """
 
-import math
 import random
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from itertools import combinations, pairwise
+from itertools import pairwise
 
-import mpmath
 import sympy as sp
-from flint import arb
+from flint import acb, arb
 from sympy.core.function import AppliedUndef
-from sympy.core.relational import Relational
 
-from stickslip_sym.core.aliases import Expr, Mpf
+from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.balls import ball, ball_function
 from stickslip_sym.core.errors import InputError, NotConverged
-from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.precision import from_mpmath, in_mpmath, refined, working_precision
+from stickslip_sym.core.precision import refined
 from stickslip_sym.core.status import Status
+from stickslip_sym.criteria.enclosure import enclosure_of, smooth_pieces
 from stickslip_sym.formula.exact import formula_ball
 from stickslip_sym.formula.proof.normal_form import normal_form, single_limit
 from stickslip_sym.formula.proof.theorems import By
+from stickslip_sym.model.expression.pieces import kinks_at
 from stickslip_sym.output import markup
 
 _SAMPLES = 8
 _DIGITS = 22  # of the sides' size, to which they are the same, errors included, to count as equal
-_NOTHING = mpmath.mpf("1e-60")  # what both sides may differ by where they are 0
+_NOTHING = arb("1e-60")  # what both sides may differ by where they are 0
 _STRICT = (sp.StrictLessThan, sp.StrictGreaterThan)
 _BINDING = (sp.Integral, sp.Sum, sp.Product, sp.Derivative, sp.Subs, sp.Limit, sp.Lambda)
-
 _ENOUGH, _MOST_BITS = 83, 784  # bits of a value, 25 digits, that are enough; of working precision
-_QUADRATURE_DIGITS = 60  # next to an end, a root's integral below the rounding of x is below 1e-30
-_DEGREES = (7, 8)  # of the tanh-sinh rule: it halves its step so many times
-_DEGREE_OF_SIZE = 4  # of the rule that tells how large an integrand is
-_LOST = 30  # digits that count as rounding
-_NEAR_BITS = 400  # for the integrand there
-_NEAR = tuple(sp.Rational(1, 10**k) for k in (12, 24))  # of the way to a place where the integrand may be infinite
+_MOST_VALUES = 3000  # of an integrand, before its integral counts as unknown
 
 
 @dataclass(frozen=True)
@@ -83,7 +77,7 @@ def prove_equal(lhs: Expr, rhs: Expr, by: By | None = None, checked: Verdict | N
         obstacle = str(error)
     if checked is not None:
         return Verdict(checked.status, f"{checked.evidence}; {obstacle}", checked.point)
-    verdict, agreed, open_ = _at_points({"left": lhs, "right": rhs}, _equal)
+    verdict, agreed, open_ = _at_points((lhs, rhs), _equal)
     if verdict is not None:
         return verdict
     obstacle += open_
@@ -98,7 +92,7 @@ def prove_positive(expr: Expr) -> Verdict:
     """Prove or refute expr > 0, from the signs of its symbols."""
     if any(form.is_positive for form in (expr, sp.factor(expr), sp.expand(expr))):
         return Verdict(Status.PROVED, "every factor is positive")
-    verdict, positive, _ = _at_points({"it": expr}, _positive)
+    verdict, positive, _ = _at_points((expr,), _positive)
     if verdict is not None:
         return verdict
     if positive < _SAMPLES:
@@ -136,26 +130,20 @@ def _conditions(node: Expr) -> list[Expr]:
 # -- at points -------------------------------------------------------------------------------------
 
 
-def _at_points(sides: Mapping[str, Expr], judge: Callable[..., str | bool]) -> tuple[Verdict | None, int, str]:
-    """Judge values and their errors at seeded points; return a refutation, how many agreed, what was in the way.
+def _at_points(sides: tuple[Expr, ...], judge: Callable[..., str | bool]) -> tuple[Verdict | None, int, str]:
+    """Judge balls at seeded points; return a refutation, how many points agreed, what was in the way.
 
     `judge` says in words how the sides fail, or whether they surely hold.
     """
     holds, obstacles = 0, ""
-    for point in _points(*sides.values()):
-        values: list[tuple[Mpf, Mpf]] = []
+    for point in _points(*sides):
         judged: str | bool = False
-        for name, side in sides.items():
-            try:
-                values.append(certain_value(side, point))
-            except NotFinite as failure:
-                judged = f"{name} is not finite, {failure},"
-                break
-            except NotConverged as failure:
-                obstacles += f"; {failure}"
-        if len(values) == len(sides):
-            with mpmath.workdps(2 * _QUADRATURE_DIGITS):
-                judged = judge(*values)
+        try:
+            judged = judge(*[_value(side, point) for side in sides])
+        except NotConverged as failure:
+            obstacles += f"; {failure}"
+        except ArithmeticError:
+            judged = "a side is not finite"
         if isinstance(judged, str):
             where = ", ".join(_word(key, value) for key, value in point.items())
             return Verdict(Status.REFUTED, f"{judged} at {where}", point), holds, obstacles
@@ -163,19 +151,19 @@ def _at_points(sides: Mapping[str, Expr], judge: Callable[..., str | bool]) -> t
     return None, holds, obstacles
 
 
-def _equal(left: tuple[Mpf, Mpf], right: tuple[Mpf, Mpf]) -> str | bool:
-    difference, error, size = abs(left[0] - right[0]), left[1] + right[1], abs(left[0]) + abs(right[0])
-    if difference > error:
-        digits = 8 + max(0, int(math.log10(2) * (mpmath.mag(size) - mpmath.mag(difference))))  # that show it
-        return "left {}, right {}".format(*(mpmath.nstr(value, digits) for value, _ in (left, right)))
-    return bool(difference + error <= max(size * mpmath.mpf(10) ** -_DIGITS, _NOTHING))
+def _equal(left: acb, right: acb) -> str | bool:
+    if not left.overlaps(right):
+        part, unit = ("imag", "i") if left.real.overlaps(right.real) else ("real", "")
+        first, second = (enclosure_of(getattr(side, part)) for side in (left, right))
+        return "left {0}{2}, right {1}{2}".format(*first.apart(second), unit)
+    size = left.abs_upper() + right.abs_upper()
+    return bool((left - right).abs_upper() <= (size * arb(10) ** -_DIGITS).max(_NOTHING))
 
 
-def _positive(of: tuple[Mpf, Mpf]) -> str | bool:
-    value, error = of
-    if isinstance(value, mpmath.mpc) or value <= -error:
-        return f"it is {mpmath.nstr(value, 8)}"
-    return bool(value > error)
+def _positive(value: acb) -> str | bool:
+    if value.real <= 0 or not value.imag.contains(0):
+        return f"it is {value.str(8, radius=False)}"
+    return bool(value.real > 0)
 
 
 def _points(*sides: Expr) -> list[dict[Expr, Expr]]:
@@ -209,15 +197,19 @@ def _word(key: Expr, value: Expr) -> str:
     return f"{key}({value.variables[0]}) = {value.expr}" if isinstance(value, sp.Lambda) else f"{key} = {value}"
 
 
-# -- a value and its error, integrals and all -------------------------------------------------------
+# -- a ball around a value, integrals and all -------------------------------------------------------
 
 
-class NotFinite(ArithmeticError):
-    """An expression that has no finite value, for certain; the message says where it fails."""
+def _value(expr: Expr, point: Mapping[Expr, Expr]) -> acb:
+    """Return a ball around an expression at exact values of its symbols and examples of its functions.
 
-
-def certain_value(expr: Expr, point: Mapping[Expr, Expr]) -> tuple[Mpf, Mpf]:
-    """Return an expression at exact values of its symbols and examples of its functions, and an error bound."""
+    Raises
+    ------
+    NotConverged
+        Where none is found.
+    ArithmeticError
+        For an expression that has no finite value, for certain.
+    """
     for function, example in point.items():
         if isinstance(example, sp.Lambda):
             expr = expr.replace(function, example)
@@ -228,82 +220,45 @@ def certain_value(expr: Expr, point: Mapping[Expr, Expr]) -> tuple[Mpf, Mpf]:
     integrals = expr.atoms(sp.Integral)
     inner = set().union(*(arg.atoms(sp.Integral) for node in integrals for arg in node.args))
     outer = {node: sp.Dummy(real=True) for node in integrals - inner}
-    known = {symbol: from_mpmath(*_integral(node.subs(values))) for node, symbol in outer.items()}
     expr = expr.xreplace(outer).xreplace(values)
     if expr.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
-        raise NotFinite("a function has no value there" if expr is sp.nan else f"it is {expr}")
+        raise ZeroDivisionError
+    integrals = {symbol: node.subs(values).doit(integrals=False) for node, symbol in outer.items()}
+
+    def computed() -> acb:
+        return formula_ball(expr, {symbol: _integral(integral) for symbol, integral in integrals.items()})[0]
+
     try:
-        value = refined(lambda: formula_ball(expr, known)[0], _ENOUGH, _MOST_BITS)
+        value = refined(computed, _ENOUGH, _MOST_BITS)
     except InputError as failure:
         raise NotConverged(str(failure)) from None
-    except (ZeroDivisionError, ValueError, OverflowError) as failure:
-        raise NotFinite(str(failure) or "a function has no value there") from None
+    except ValueError:
+        raise ZeroDivisionError from None
     if not value.is_finite():
         raise NotConverged("its value is not certain")
-    return in_mpmath(value), in_mpmath(arb(value.rad()))
+    return value
 
 
-def _integral(integral: Expr) -> tuple[Mpf, Mpf]:
-    """Return an integral of numbers and its error."""
+def _integral(integral: Expr) -> acb:
+    """Return a ball around an integral of numbers at the working precision; not finite where Arb finds none."""
     if not isinstance(integral, sp.Integral) or integral.function.is_polynomial(*integral.variables):
-        return certain_value(integral.doit(), {})
+        return formula_ball(integral.doit(), {})[0]
     try:
-        variable, low, high = single_limit(integral)
+        x, *limits = single_limit(integral)
     except ValueError as failure:
         raise NotConverged(str(failure)) from None
-    if not (low.is_real and high.is_real and low.is_finite and high.is_finite):
+    if not all(limit.is_real and limit.is_finite for limit in limits):
         raise NotConverged(f"the limits of {integral} are not finite")
-    # As limits of the variable only: its assumptions are the user's, and must not decide anything here.
-    x = sp.Dummy(variable.name, real=True)
-    f = integral.function.xreplace({variable: x})
-    between = [place for place in _places(f, x) if min(low, high) < place < max(low, high)]
-    ends = [low, *sorted(between, key=sp.N, reverse=bool(low > high)), high]
-    for left, right in pairwise(ends):
-        _require_integrable(f, x, left, right - left)
-        _require_integrable(f, x, right, left - right)
-    function = function_of([x], f, "mpmath")
-    with mpmath.workdps(_QUADRATURE_DIGITS):
-        nodes = [mpmath.mpmathify(function_of([], end, "mpmath")()) for end in ends]
-
-        def inside(place: Mpf) -> Mpf:
-            return function(place) if place not in nodes else mpmath.mpf(0)  # the rule's weight there is nothing
-
-        try:
-            rough, fine = (mpmath.quad(inside, nodes, maxdegree=degree) for degree in _DEGREES)
-            size = mpmath.quad(lambda place: abs(inside(place)), nodes, maxdegree=_DEGREE_OF_SIZE)
-        except (ZeroDivisionError, ValueError):
-            raise NotConverged("the integrand has no value somewhere") from None
-        return fine, 2 * abs(fine - rough) + abs(size) * mpmath.mpf(10) ** (_LOST - _QUADRATURE_DIGITS)
-
-
-def _places(f: Expr, x: Expr) -> list[Expr]:
-    """Return the real places where an integrand may have a kink, a jump, or no finite value."""
-    suspects = {relation.lhs - relation.rhs for relation in f.atoms(Relational)}
-    suspects |= {node.args[0] for node in f.atoms(sp.Abs, sp.sign, sp.log)}
-    suspects |= {a - b for node in f.atoms(sp.Min, sp.Max) for a, b in combinations(node.args, 2)}
-    suspects |= {node.base for node in f.atoms(sp.Pow) if not (node.exp.is_Integer and node.exp > 0)}
-    found: set[Expr] = set()
-    for numerator in (sp.numer(sp.together(suspect)) for suspect in suspects):
-        if numerator.has(x) and numerator.is_polynomial(x):
-            polynomial = sp.Poly(numerator, x)
-            if polynomial.degree() == 1:
-                found.add(-polynomial.nth(0) / polynomial.nth(1))
-            elif polynomial.domain.is_QQ or polynomial.domain.is_ZZ:
-                found |= set(polynomial.real_roots())
-    return [place for place in found if place.is_real]
-
-
-def _require_integrable(f: Expr, x: Expr, place: Expr, way: Expr) -> None:
-    """Refuse an integrand that grows like 1/x or faster towards a place."""
-    sizes = []
-    for share in _NEAR:
-        with working_precision(_NEAR_BITS):
-            try:
-                found, _ = formula_ball(f.xreplace({x: place + share * way}), {})
-            except (InputError, NotConverged, ArithmeticError, ValueError):
-                return
-            if not found.rel_accuracy_bits() > 3:
-                return
-            sizes.append(abs(in_mpmath(found)) * mpmath.mpf(share.p) / share.q)
-    if sizes[0] > 0 and sizes[1] > sizes[0] / 2:
-        raise NotFinite(f"the integrand grows like 1/x or faster at {place}")
+    low, high = sorted(limits)
+    total = acb(0)
+    for way, start, end in ((1, sp.Max(low, 0), high), (-1, sp.Max(-high, 0), -low)):
+        if start < end:
+            # The slip speed is nonnegative, and what SymPy simplifies by that holds on either side of 0.
+            f = integral.function.xreplace({x: way * symbols.v})
+            if way < 0 and f.has(sp.Piecewise):
+                raise NotConverged(f"{integral} is in pieces below 0")
+            ends = [start, *(kink for kink in kinks_at(f, {}) if start < kink < end), end]
+            for piece, (left, right) in zip(smooth_pieces(f, {}, ends), pairwise(ends), strict=True):
+                integrand = ball_function(piece, symbols.v, {})
+                total += acb.integral(integrand, ball(left), ball(right), eval_limit=_MOST_VALUES)
+    return total if limits[0] == low else -total
