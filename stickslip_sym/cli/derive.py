@@ -9,7 +9,7 @@ import click
 import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.options import Given, option
-from stickslip_sym.cli.output import Json, echo_all, in_options, progress_bar
+from stickslip_sym.cli.output import Json, echo_all, in_options, terminal
 from stickslip_sym.cli.reading import criteria_of, point
 from stickslip_sym.core.errors import InputError, NoClosedForm
 
@@ -75,13 +75,10 @@ def run(given: Given) -> None:
 
 
 def derived(law: ss.FrictionLaw, criterion: ss.Criterion, seconds: float = SECONDS) -> ClosedForm | NoClosedForm:
-    """Return the closed form of a criterion, or why there is none; a terminal shows the progress."""
-    from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn
-
-    step = TextColumn("{task.description}", markup=False)
-    with progress_bar(SpinnerColumn(), step, TimeElapsedColumn(), f"of at most {seconds:.0f} s") as update:
+    """Return the closed form of a criterion, or why there is none."""
+    with terminal().status(f"deriving {criterion.name}, {seconds:.0f} s at most"):
         try:
-            return ss.derive(law, criterion, time_limit=seconds, progress=lambda text: update(description=text))
+            return ss.derive(law, criterion, time_limit=seconds)
         except NoClosedForm as error:
             return error
 

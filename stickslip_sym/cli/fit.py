@@ -12,7 +12,7 @@ import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.options import LAW_NAMES, Given, option
 from stickslip_sym.cli.output import counted, echo_all, in_options
-from stickslip_sym.cli.reading import assignments, reading_of, units
+from stickslip_sym.cli.reading import assignments, law_described, reading_of
 from stickslip_sym.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -60,14 +60,8 @@ def fitted(file: Path, laws: Sequence[ss.FrictionLaw], given: Given) -> Fits:
 
 def laws_to_fit(texts: Sequence[str], given: Given) -> list[ss.FrictionLaw]:
     """Return the laws to fit, with the parameters that are fixed; all of the catalogue if none is named."""
-    from stickslip_sym.model.expression.parsing import NAME
-
     fixed = assignments(given["parameter"])
-    described = {} if all(map(NAME.fullmatch, texts)) else units(given)
-    laws = [
-        ss.laws.find(text) if NAME.fullmatch(text) else ss.FrictionLaw(text, units=described) for text in texts
-    ]
-    laws = laws or list(ss.laws.catalogue.values())
+    laws = [law_described(given, text) for text in texts] or list(ss.laws.catalogue.values())
     for name in fixed:
         if not any(name in law.parameters for law in laws):
             raise InputError(f"no law that is fitted has a parameter {name!r}; leave -p {name}=... out")

@@ -34,11 +34,10 @@ def read_axis(text: str, option: str) -> tuple[str, FloatArray]:
         raise InputError(f"{option} {text[:60]!r} is not {_AXIS}; write for example {option} V=0.01:1:100")
     start, stop = read_number(parts[0], f"the start of {name}"), read_number(parts[1], f"the stop of {name}")
     count = int(parts[2]) if parts[2].isdecimal() and len(parts[2]) <= 7 else 0
-    if not 1 <= count <= _MOST_VALUES:
-        raise InputError(f"{option}: the count {parts[2][:30]!r} is no whole number from 1 to {_MOST_VALUES}")
-    if (start > stop) or (start == stop) != (count == 1):
+    if not 1 <= count <= _MOST_VALUES or start > stop or (start == stop) != (count == 1):
         raise InputError(
-            f"{option} {text[:60]!r}: the start must lie below the stop, or equal it with a count of 1"
+            f"{option} {text[:60]!r}: the start must lie below the stop, or equal it with a count of 1; and "
+            f"the count must be a whole number from 1 to {_MOST_VALUES}"
         )
     return name.strip(), np.linspace(start, stop, count)
 
@@ -65,10 +64,8 @@ def run(given: Given) -> None:
     """
     x, y = given["x"], given["y"]
     names = x[0], y[0]
-    for name in names:
-        option = "-p" if name in assignments(given["parameter"]) else f"-{name}" if given[name] is not None else ""
-        if option:
-            raise InputError(f"{name} is an axis, and given by {option} too; leave one of the two out")
+    if twice := assignments(given["parameter"]).keys() & set(names):
+        raise InputError(f"{min(twice)} is an axis, and given by -p too; leave one of the two out")
     at = point(given, without=names).exact("map")
     how: dict[str, Any] = {name: given[name] for name in ("time_limit", "workers")} | at.numbers
     csv, npz, plot = given["csv"], given["npz"], given["plot"]

@@ -13,7 +13,6 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -21,7 +20,7 @@ import click
 from stickslip_sym.core.version import __version__
 
 if TYPE_CHECKING:
-    from rich.progress import ProgressColumn
+    from rich.console import Console
 
     from stickslip_sym.cli.options import Given
     from stickslip_sym.cli.reading import Point
@@ -44,9 +43,8 @@ _RULES: list[tuple[str, str | Callable[[re.Match[str]], str]]] = [
     (r"use evaluate\(digits=\.\.\.\)", "stickslip derive computes it to 50 digits"),
     (r"columns=\{'(\w+)': '?([^'}]*)'?, '(\w+)': '?([^'}]*)'?\}", r'--column \1="\2" --column \3="\4"'),
     (r"columns=\{'(\w+)': '?([^'}]*)'?\}", r'--column \1="\2"'),
-    (r"\b(leave|keep)_(out|outliers)=True", r"--\1-\2"),
-    (r"pass extrapolate=True", "give --extrapolate"),
-    (r"extrapolate=True", "--extrapolate"),
+    (r"\bpass (?=\w+=True)", "give "),
+    (r"\b(\w+)=True\b", lambda m: f"--{m[1].replace('_', '-')}"),
     (r"\bsimulate\(\)", "stickslip simulate"),
     (r"within=\(low, high\)", "--within LOW:HIGH"),
     (r"units=\{'(\w+)': \.\.\.\}", r"--unit \1=..."),
@@ -65,26 +63,23 @@ def in_options(message: str) -> str:
     return message
 
 
-@contextmanager
-def progress_bar(*columns: ProgressColumn | str) -> Iterator[Callable[..., None]]:
-    """Show columns of rich on a terminal, and yield what updates them; elsewhere show nothing."""
+def terminal() -> Console:
+    """Return where progress is shown: on stderr if that is a terminal, and nowhere else."""
     from rich.console import Console
-    from rich.progress import Progress
 
-    console = Console(stderr=True)
     # Rich takes FORCE_COLOR for a terminal, and would draw into a file.
-    drawn = console.is_terminal and sys.stderr.isatty()
-    with Progress(*columns, console=console, transient=True, disable=not drawn) as shown:
-        yield partial(shown.update, shown.add_task("reading the law", total=None))
+    return Console(stderr=True, force_terminal=sys.stderr.isatty())
 
 
 @contextmanager
 def counted(what: str) -> Iterator[Callable[[int, int], None]]:
-    """Show on a terminal how many of something are done; elsewhere show nothing."""
-    from rich.progress import BarColumn, MofNCompleteColumn, TimeRemainingColumn
+    """Show on a terminal how many of something are done."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
 
-    with progress_bar(what, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()) as update:
-        yield lambda done, total: update(completed=done, total=total)
+    columns = what, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    with Progress(*columns, console=terminal(), transient=True, disable=not sys.stderr.isatty()) as shown:
+        task = shown.add_task("", total=None)
+        yield lambda done, total: shown.update(task, completed=done, total=total)
 
 
 def echo_json(command: str, **found: object) -> None:

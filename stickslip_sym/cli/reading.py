@@ -51,13 +51,9 @@ class Point:
             shown = law.uncertain.get(name, f"{float(value):.12g}")
             mark = " (typical)" if name in self.typical else ""
             parameters.append(f"{name} = {shown}{'' if unit in (None, '1') else f' {unit}'}{mark}")
-        quantities = [
-            f"{name} = {text} {symbols.QUANTITIES[name].unit}{' (default)' if name in self.defaults else ''}"
-            for name, text in self.texts.items()
-        ]
         formula = f"{f'{law.name}: ' if law.name else ''}mu(v) = {law.text if law.curve is None else law.curve}"
-        lines = [parameters + [f"{name} = ?" for name in law.missing], quantities]
-        return "\n".join([formula, *(", ".join(line) for line in lines if line)])
+        lines = formula, ", ".join(parameters + [f"{name} = ?" for name in law.missing])
+        return "\n".join(filter(None, [*lines, symbols.in_words(self.texts, self.defaults)]))
 
 
 def points(

@@ -10,7 +10,7 @@ from stickslip_sym.cli import options
 from stickslip_sym.cli.fit import fitted, laws_to_fit
 from stickslip_sym.cli.options import Given, option
 from stickslip_sym.cli.output import echo_all, in_options
-from stickslip_sym.cli.reading import assignments, law_described, points, reading_of
+from stickslip_sym.cli.reading import points, reading_of
 from stickslip_sym.core.errors import InputError
 
 
@@ -48,21 +48,15 @@ def run(given: Given) -> None:
         if measured_file is not None:
             measured = ss.read_measurements(measured_file, **reading_of(given)).averaged()
     elif measured_file is not None:
-        raise InputError(
-            "the measurements are given twice, by --fit and by --from-csv; --fit fits a law to them, "
-            "and --from-csv goes through the points"
-        )
+        raise InputError("the measurements are given twice, by --fit and by --from-csv; give them once")
     else:
-        described = given["law"] and law_described(given, given["law"])
-        laws = [described.bind(**assignments(given["parameter"]))] if described else laws_to_fit((), given)
+        laws = laws_to_fit([given["law"]] if given["law"] else (), given)
         at = points(given, c="0", law=laws[0])
         fits = fitted(file, laws, given)
         at = [replace(one, law=fits.best.law) for one in at]
     stems = [one.file.stem for one in at if one.file is not None]
     if twice := sorted({stem for stem in stems if stems.count(stem) > 1}):
-        raise InputError(
-            f"several files of values are called {twice[0]!r}, and so would be their pages; rename one"
-        )
+        raise InputError(f"several files of values are called {twice[0]!r}, as their pages would be; rename one")
     contents, texts = [], []
     for one in at:
         suffix = f"-{one.file.stem}" if len(at) > 1 and one.file is not None else ""

@@ -262,8 +262,7 @@ def tradeoff(
 
 
 def _title(what: str, law: FrictionLaw, point: Mapping[str, object]) -> str:
-    shown = ", ".join(f"{name} = {value} {symbols.QUANTITIES[name].unit}" for name, value in point.items())
-    return f"{what} of {law.name or 'the law'}, {shown}"
+    return f"{what}, {law.name or 'the law'}, {symbols.in_words(point)}"
 
 
 # -- the value of a criterion ------------------------------------------------------------------------
@@ -376,7 +375,7 @@ def _threshold(law: FrictionLaw, point: Mapping[str, float]) -> Trade:
     for rtol in BISECTED:
         bisection = partial(pure_slip_by_bisection, law, osc, rtol)
         rows.append(measured("solve_ivp and bisection", bisection, judge_number, setting=f"rtol {rtol:.0e}"))
-    title = _title("threshold", law, {name: f"{value:g}" for name, value in point.items()})
+    title = _title("threshold", law, point)
     return Trade(title, tuple(rows), point, "threshold")
 
 
@@ -430,7 +429,7 @@ def _basin(law: FrictionLaw, point: Mapping[str, float], c: float | None) -> Tra
     for name, setting, decide, count in deciders:
         rows.append(measured(name, partial(sampled, decide, count), judge, setting=f"{setting}{count} samples"))
     numbers = {name: getattr(osc, name) for name in "VNmkc"}
-    shown = _title("share of initial conditions that come to rest", law, {n: f"{x:g}" for n, x in numbers.items()})
+    shown = _title("share of initial conditions that come to rest", law, numbers)
     title = f"{shown}, x0 = {x0[0]:g} to {x0[1]:g} m, v0 = {v0[0]:g} to {v0[1]:g} m/s"
     return Trade(title, tuple(rows), numbers, "share")
 

@@ -3,6 +3,7 @@
 The parameters of friction laws are not here; each law brings its own (`Parameter`).
 """
 
+from collections.abc import Container, Mapping
 from typing import NamedTuple
 
 import sympy as sp
@@ -47,6 +48,15 @@ mu: Expr = sp.Function("mu", real=True)
 # Used inside derivations only. Dummies, so that a law may use these names for its own parameters.
 u: Expr = sp.Dummy("u", nonnegative=True)
 s, theta, a, b = (sp.Dummy(name, real=True) for name in ("s", "theta", "a", "b"))
+
+
+def in_words(values: Mapping[str, object], defaults: Container[str] = ()) -> str:
+    """Return quantities as text, e.g. ``V = 0.5 m/s (default), N = 9.81 N``."""
+    texts = {name: f"{value:g}" if isinstance(value, float) else str(value) for name, value in values.items()}
+    return ", ".join(
+        f"{name} = {text} {QUANTITIES[name].unit}{' (default)' if name in defaults else ''}"
+        for name, text in texts.items()
+    )
 
 
 def require_sign(name: str, value: float | Expr) -> None:

@@ -69,8 +69,8 @@ REFUSED = [
     *((f"map exponential --x {text} --y c=1:2:2", message) for text, message in (
         ("V=0.1:1", "--x 'V=0.1:1' is not NAME=START:STOP:COUNT"),
         ("V=nan:1:5", "the start of V = 'nan' is not a number"),
-        ("V=0.1:1:1.5", "the count '1.5' is no whole number"),
-        ("V=0.1:1:99999999", "no whole number from 1 to 1000000"),
+        ("V=0.1:1:1.5", "the count must be a whole number"),
+        ("V=0.1:1:99999999", "a whole number from 1 to 1000000"),
         ("V=1:0.1:5", "the start must lie below the stop"),
         ("V=1:1:5", "the start must lie below the stop"),
     )),

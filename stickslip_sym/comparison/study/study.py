@@ -297,11 +297,8 @@ class Study:
         return target
 
     def __str__(self) -> str:
-        values = (
-            f"{name} = {self.value(name):g} {QUANTITIES[name].unit}{' (default)' if name in self.defaults else ''}"
-            for name in ("c", "V", "N", "m", "k")
-        )
-        point = f"{self.law.name or self.law.text}, {', '.join(values)}"
+        values = {name: self.value(name) for name in ("c", "V", "N", "m", "k")}
+        point = f"{self.law.name or self.law.text}, {symbols.in_words(values, self.defaults)}"
         headline, *others = self.findings
         return "\n".join([*(f"warning: {text}" for text in self.warnings), headline, point, *others])
 

@@ -96,10 +96,7 @@ class Table(drawing.Drawn):
         return f"{self.law.name or 'law'}, {' by '.join(map(str, self.axes))}"
 
     def _title(self) -> str:
-        point = ", ".join(
-            f"{name} = {value:g} {symbols.QUANTITIES[name].unit}" for name, value in self.fixed.items()
-        )
-        return f"{self.law.name or 'friction law'}: {point}"
+        return f"{self.law.name or 'friction law'}: {symbols.in_words(self.fixed)}"
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}: {self._place}; {self._summary()}"
