@@ -208,7 +208,7 @@ def test_text_json_and_picture_say_what_was_measured(rows):
             assert cells[1].startswith("none:")
             assert (said["value"], said["relative_error"], found["dominators"][row.name]) == (None, None, [])
             continue
-        number, unit = cells[4].split()
+        number, unit = cells[3].split()
         assert float(number) * SIZES[unit] == pytest.approx(row.seconds, rel=5e-3)
         assert float(cells[2]) == pytest.approx(row.relative_error, rel=0.05)
         assert (said["seconds"], said["relative_error"]) == (row.seconds, row.relative_error)
