@@ -9,9 +9,8 @@ belt each round, since damping and friction bring those far out back in.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import replace
 from enum import Enum
 from functools import cache
 from typing import Any, NamedTuple
@@ -60,57 +59,63 @@ class Reason(Enum):
     TIME = LATE
 
 
-class Line(NamedTuple):
-    """Operating points of a law at one belt speed, and dampings for each.
-
-    - `place`: rows and columns of the cells in a map, each of the shape of the dampings.
-    - `points`: values of V, N, m and k, and of parameters of the law, in place of those it has.
-    - `c`: a row for each point.
-    """
-
-    place: tuple[IntArray, IntArray]
-    points: Sequence[Mapping[str, float]]
-    c: FloatArray
-
-
 class Cells(NamedTuple):
-    """What is known of the cells of a line; arrays are of the shape of its dampings.
+    """What is known of some cells; the last axis of arrays goes over them.
 
     - `motion`, `reason`: arrays of `Motion` and of `Reason`.
-    - `attractors`: whether there are those of each kind, by the names in `ATTRACTORS`.
-    - `thresholds`: in kg/s, by the names in `CURVES`, a row for each point; NaN where one was not found.
-    - `notes`: why a cell failed or stayed undecided.
+    - `attractors`: whether there are those of each kind, a row for each in `ATTRACTORS`.
+    - `thresholds`: in kg/s, a row for each in `CURVES`; NaN where one was not found.
+    - `notes`: why a cell failed or stayed undecided, by its number.
     """
 
     motion: ObjectArray
     reason: ObjectArray
-    attractors: dict[str, BoolArray]
-    thresholds: dict[str, FloatArray]
-    notes: dict[tuple[int, ...], str]
+    attractors: BoolArray
+    thresholds: FloatArray
+    notes: dict[int, str]
+
+    @classmethod
+    def unknown(cls, count: int) -> "Cells":
+        """Return cells of which nothing is known."""
+        return cls(
+            np.full(count, Motion.UNDECIDED), np.full(count, Reason.TIME),
+            np.zeros((len(ATTRACTORS), count), dtype=bool), np.full((len(CURVES), count), np.nan), {},
+        )  # fmt: skip
+
+    def put(self, rows: IntArray, part: "Cells | StickSlipError") -> None:
+        """Write what is known of the cells of some numbers, or the error that stands for it."""
+        if isinstance(part, StickSlipError):
+            self.reason[rows] = _reason_of(part)
+            self.notes.update(dict.fromkeys(rows.tolist(), str(part)))
+            return
+        for whole, some in zip(self[:4], part[:4], strict=True):
+            whole[..., rows] = some
+        self.notes.update({int(rows[i]): text for i, text in part.notes.items()})
 
 
-def reason_of(error: StickSlipError) -> Reason:
-    """Return the reason of cells of which no more is known than an error."""
+def _reason_of(error: StickSlipError) -> Reason:
     return Reason.TIME if isinstance(error, OutOfTime) else Reason.FAILED
 
 
-def decide(law: FrictionLaw, rtol: float, lines: Sequence[Line]) -> list[Cells | StickSlipError]:
-    """Return the motion from x = 0, x' = V, and every attractor, for the cells of each of some lines.
+def decide(law: FrictionLaw, rtol: float, points: Mapping[str, FloatArray]) -> Cells:
+    """Return the motion from x = 0, x' = V, and every attractor, for each of some cells.
 
     - `law`: with all parameters bound.
     - `rtol`: a damping that is closer to a threshold or a fold, relative to the largest of them, is not decided.
-
-    Where a line fails its error stands for it; where a cell does, a note.
+    - `points`: V, N, m, k, c and parameters of the law in place of those it has, an entry for each cell.
     """
-    bound = cache(lambda values: law.bind(**dict(values)))
-    found: list[Cells | StickSlipError] = []
-    for line in lines:
+    found = Cells.unknown(len(points["c"]))
+    names = [name for name in points if name in law.parameters]
+    bound = cache(lambda *values: law.bind(**dict(zip(names, values, strict=True))))
+    kinds, kind = np.unique([points[name] for name in ("V", *names)], axis=1, return_inverse=True)
+    for i, (V, *values) in enumerate(kinds.T.tolist()):
+        rows = np.flatnonzero(kind.ravel() == i)
         try:
             check_time()
-            values = ((name, value) for name, value in line.points[0].items() if name in law.parameters)
-            found.append(_Decider(bound(tuple(values)), line, rtol).cells())
+            decider = _Decider(bound(*values), V, {name: points[name][rows] for name in "Nmkc"}, rtol)
+            found.put(rows, decider.cells())
         except StickSlipError as error:
-            found.append(error)
+            found.put(rows, error)
     return found
 
 
@@ -122,41 +127,44 @@ def _gaps_all(rise: Any, eta: Any, push: Any, A: Any, zeta: Any, rtol: float, we
 
 
 class _Decider:
-    """Decides the cells of a line; dampings are damping ratios here, a row for each oscillator."""
+    """Decides cells of one law and belt speed; dampings are damping ratios here."""
 
-    def __init__(self, law: FrictionLaw, line: Line, rtol: float) -> None:
-        self.law, self.line, self.rtol = law, line, rtol
-        self.oscillators = [Oscillator(**{name: point[name] for name in "VNmk"}) for point in line.points]
-        self.system = Dimensionless.of(law, self.oscillators[0])
-        self.table, V = self.system.table, self.system.V
-        self.eta = np.array([osc.eta for osc in self.oscillators])
-        self.ratio = np.array([[2 * osc.impedance] for osc in self.oscillators])  # damping over damping ratio
-        self.zeta = line.c / self.ratio
-        self.N = np.array([[osc.N] for osc in self.oscillators])
+    def __init__(self, law: FrictionLaw, V: float, points: Mapping[str, FloatArray], rtol: float) -> None:
+        self.law, self.points, self.rtol = law, points, rtol
+        self.system = Dimensionless.of(law, self._oscillator(V, 0))
+        self.table, self.N = self.system.table, points["N"]
+        impedance = np.sqrt(points["k"]) * np.sqrt(points["m"])
+        self.eta = self.N / (V * impedance)
+        self.ratio = 2 * impedance  # damping over damping ratio
+        self.zeta = points["c"] / self.ratio
         at_kink = any(abs(kink / V - 1) <= _KNOWN for kink in self.table.kinks)
         self.equilibrium = -self.N * (math.nan if at_kink else float(law.slope(V))) / self.ratio
-        found = self._needed(np.arange(len(self.eta)), np.ones(len(self.eta)))
-        self.exact, self.error = found[:, :1], found[:, 1:]
+        _, first, oscillator = np.unique(self.eta, return_index=True, return_inverse=True)
+        found = self._needed(first, np.ones(first.size))[oscillator]
+        self.exact, self.error = found.T
+
+    def _oscillator(self, V: float, i: int) -> Oscillator:
+        return Oscillator(V=V, **{name: float(column[i]) for name, column in self.points.items()})
 
     def _orbits(
-        self, loop: Callable[..., None], width: int, row: IntArray, A: FloatArray, *columns: FloatArray
+        self, loop: Callable[..., None], width: int, cell: IntArray, A: FloatArray, *columns: FloatArray
     ) -> FloatArray:
-        """Return what a loop finds of orbits, by oscillators' numbers and amplitudes over V."""
-        eta = self.eta[row]
+        """Return what a loop finds of orbits, by the numbers of their cells and amplitudes over V."""
+        eta = self.eta[cell]
         push = eta * (self.table.static - self.table.onset)
         found = self.system.spread(loop, (eta, push, A, *columns), (SIGNS,), width, few=0)
         check_time()
         return found
 
-    def _needed(self, row: IntArray, A: FloatArray) -> FloatArray:
+    def _needed(self, cell: IntArray, A: FloatArray) -> FloatArray:
         """Return needed damping ratios and their errors, a row for each orbit; NaN where there is none."""
-        found = self._orbits(needed_all, 6, row, A)
+        found = self._orbits(needed_all, 6, cell, A)
         return np.where(found[:, :1] == Found.ROOT, found[:, 1:3], math.nan)
 
     def cells(self) -> Cells:
         """Decide the cells."""
         zeta, exact, equilibrium = self.zeta, self.exact, self.equilibrium
-        largest = np.nanmax(np.abs(np.hstack([exact, equilibrium])), axis=1, initial=0.0, keepdims=True)
+        largest = np.nan_to_num(np.fmax(np.abs(exact), np.abs(equilibrium)))
         margin = max(self.rtol, _KNOWN) * largest + np.nan_to_num(self.error)
         near = (np.abs(zeta - exact) <= margin) | (np.abs(zeta - equilibrium) <= margin)
         returns, rest = zeta < exact, zeta > equilibrium
@@ -164,29 +172,26 @@ class _Decider:
         known &= np.isfinite(exact + equilibrium)
         cycle, stable = self._slip_cycles(near, known, margin)
         signs = Signs(rest=rest, falls=stable, returns=returns & ~escapes, held=held)
-        motion, reason = np.full(zeta.shape, Motion.REST), np.full(zeta.shape, Reason.BETWEEN)
+        cells = Cells.unknown(zeta.size)
+        motion, reason = cells.motion, cells.reason
+        motion[:], reason[:] = Motion.REST, Reason.BETWEEN
         motion[returns | cycle] = Motion.PURE_SLIP
         motion[returns & held] = Motion.STICK_SLIP
         motion[escapes] = Motion.UNBOUNDED
         reason[~returns & rest & ~cycle] = Reason.ABOVE
         reason[returns & ~rest & ~cycle] = Reason.BELOW
         motion[near], reason[near] = Motion.UNDECIDED, Reason.TOLERANCE
-        average = np.full(self.N.shape, math.nan)
+        cells.attractors[:] = [kind.exists(signs) & ~near for kind in ATTRACTORS]
+        curves = dict.fromkeys(CURVES, np.full(zeta.size, math.nan))
+        curves |= {"equilibrium": equilibrium * self.ratio, "exact": exact * self.ratio}
         with suppress(*NO_RESULT):
-            average = self.N * slope_mean(self.law, least_squares, np.array([self.system.V]))
-        curves = equilibrium * self.ratio, average, exact * self.ratio
-        cells = Cells(
-            motion, reason,
-            attractors={kind.name: kind.exists(signs) & ~near for kind in ATTRACTORS},
-            thresholds=dict(zip(CURVES, curves, strict=True)),
-            notes={
-                (i, j): f"c = {self.line.c[i, j]:.12g} is within {margin[i, 0] * self.ratio[i, 0]:.1e} kg/s of a "
-                "threshold or a fold"
-                for i, j in np.argwhere(near).tolist()
-            },
-        )  # fmt: skip
-        for i, j in np.argwhere(~(near | known)).tolist():
-            self._follow(cells, i, j)
+            curves["least_squares"] = self.N * slope_mean(self.law, least_squares, np.array([self.system.V]))
+        cells.thresholds[:] = list(curves.values())
+        for i in np.flatnonzero(near).tolist():
+            off = f"within {margin[i] * self.ratio[i]:.1e} kg/s of a threshold or a fold"
+            cells.notes[i] = f"c = {self.points['c'][i]:.12g} is {off}"
+        for i in np.flatnonzero(~(near | known)).tolist():
+            self._follow(cells, i)
         return cells
 
     def _after_return(self, returns: BoolArray) -> tuple[BoolArray, BoolArray, BoolArray]:
@@ -195,25 +200,24 @@ class _Decider:
         Where the slip from P returns beyond what static friction holds the mass overtakes the belt. It may stick
         after that; else it never sticks again. A motion that sticks at first leaves at P; any other is outside.
         """
-        zeta, static = self.zeta, self.eta[:, None] * self.table.static
+        zeta, static = self.zeta, self.eta * self.table.static
         begin = 2 * zeta - static  # q of the initial condition
         sticks = (begin <= 0) & (begin >= -2 * static)
 
-        def ends(cells: tuple[IntArray, ...], q: FloatArray) -> FloatArray:
-            return rounds(self.system, q, SIGNS, eta=self.eta[cells[0]], zeta=zeta[cells], few=0)
+        def ends(cells: BoolArray, q: FloatArray) -> FloatArray:
+            return rounds(self.system, q[cells], SIGNS, eta=self.eta[cells], zeta=zeta[cells], few=0)
 
         end = np.zeros(zeta.shape)
-        cells = np.nonzero(returns)
-        end[cells] = ends(cells, np.zeros(cells[0].size))
+        end[returns] = ends(returns, end)
         held, on_it = np.isnan(end), sticks | (static == 0)
-        comes_in = self.line.c + self.N * friction_far_out(self.law, self.system.V) >= 0
+        comes_in = self.points["c"] + self.N * friction_far_out(self.law, self.system.V) >= 0
         escapes = np.isinf(end) & ~comes_in & math.isinf(self.table.reach)
         known = (held | (np.isfinite(end) & (end > 0) & comes_in)) & on_it | escapes
         known |= ~returns & ((zeta >= 0) | sticks)
         if self.table.static == 0:
             # The initial condition is outside the orbit from P: it may be held back by one that overtakes.
-            cells = np.nonzero(~returns & (zeta >= 0))
-            known[cells] = ends(cells, begin[cells]) == 0
+            outside = ~returns & (zeta >= 0)
+            known[outside] = ends(outside, begin) == 0
         return held, escapes, known
 
     def _slip_cycles(self, near: BoolArray, known: BoolArray, margin: FloatArray) -> tuple[BoolArray, BoolArray]:
@@ -221,62 +225,54 @@ class _Decider:
 
         Where a fold is as near as the margin this is noted in `near`, and where it is not known in `known`.
         """
-        zeta, grows_at_rest = self.zeta, self.zeta < self.equilibrium
-        jumps = any(self.system.rise.jumps)
-        found = orbit_signs(self._gaps, grows_at_rest.ravel())
-        parts = found.cycle, found.stable, found.grows, found.lost
-        cycle, stable, grows, lost = (part.reshape(zeta.shape) for part in parts)
+        cycle, stable, grows, beside_folds, lost = orbit_signs(self._gaps, self.zeta < self.equilibrium)
         known &= ~lost
         if self.table.static == self.table.onset:
             # A cycle may touch the belt's speed but for less than what is looked at.
-            last = grows != (zeta < self.exact)
+            last = grows != (self.zeta < self.exact)
             cycle, stable = cycle | last, stable | last & grows
-        for cell, low, high in found.open:
-            i, j = divmod(cell, zeta.shape[1])
-            if jumps:
-                known[i, j] = False
-            elif known[i, j] and not near[i, j]:
-                beyond, off = self._beside_fold(i, float(zeta[i, j]), low, high)
+        for i, low, high in beside_folds:
+            if any(self.system.rise.jumps):
+                known[i] = False
+            elif known[i] and not near[i]:
+                beyond, off = self._beside_fold(i, low, high)
                 # Where d passes c twice one of the two cycles is stable; else the next range has the other.
-                cycle[i, j] |= beyond
-                stable[i, j] |= beyond
-                near[i, j] |= off <= margin[i, 0]
-                known[i, j] = not math.isnan(off)
+                cycle[i] |= beyond
+                stable[i] |= beyond
+                near[i] |= off <= margin[i]
+                known[i] = not math.isnan(off)
         return cycle, stable
 
     def _gaps(self, cell: IntArray, A: FloatArray) -> FloatArray:
         """Return gaps, cut at -1 and 1, by the numbers of cells; NaN where the sign is not known."""
-        rows, zeta = cell // self.zeta.shape[1], self.zeta.ravel()[cell]
-        found = self._orbits(_gaps_all, 1, rows, A, zeta)[:, 0]
-        unsure = np.fmin(_UNSURE, 2 * math.pi * self.error[rows, 0])  # of weak friction all gaps are small
+        found = self._orbits(_gaps_all, 1, cell, A, self.zeta[cell])[:, 0]
+        unsure = np.fmin(_UNSURE, 2 * math.pi * self.error[cell])  # of weak friction all gaps are small
         return np.where(np.abs(found) < unsure, math.nan, np.clip(found, -1.0, 1.0))
 
-    def _beside_fold(self, i: int, zeta: float, low: float, high: float) -> tuple[bool, float]:
-        """Tell whether the needed damping passes a given one between two amplitudes, and how near it comes."""
+    def _beside_fold(self, i: int, low: float, high: float) -> tuple[bool, float]:
+        """Tell whether the needed damping passes that of a cell between two amplitudes, and how near it comes."""
 
         def excess(A: float) -> float:
-            return float(self._needed(np.array([i]), np.array([A]))[0, 0]) - zeta
+            return float(self._needed(np.array([i]), np.array([A]))[0, 0] - self.zeta[i])
 
         sign = 1.0 if excess(low) > 0 else -1.0
         _, beyond = closest(excess, low, high, sign, _FOLD)
         return sign * beyond < 0, abs(beyond)
 
-    def _follow(self, cells: Cells, i: int, j: int) -> None:
+    def _follow(self, cells: Cells, i: int) -> None:
         """Decide one cell by following motions."""
-        osc = replace(self.oscillators[i], c=float(self.line.c[i, j]))
-        rtol = self.rtol * _FINER
-        reason, motion, found, why = Reason.SIMULATED, Motion.UNDECIDED, None, ""
+        osc, rtol = self._oscillator(self.system.V, i), self.rtol * _FINER
+        found, why = None, ""
         try:
             check_time()
             found = regime(self.law, osc, rtol=rtol)
             check_time()  # what is named undecided for want of time is no boundary
-            motion, why = classify(self.law, osc, rtol=rtol), "; ".join(found.undecided)
-            if motion is Motion.UNDECIDED and not why:
+            cells.motion[i], cells.reason[i] = classify(self.law, osc, rtol=rtol), Reason.SIMULATED
+            why = "; ".join(found.undecided)
+            if cells.motion[i] is Motion.UNDECIDED and not why:
                 why = "the initial condition is within tolerance of a separatrix"
         except StickSlipError as error:
-            reason, why = reason_of(error), str(error)
-        cells.motion[i, j], cells.reason[i, j] = Motion.UNDECIDED if why else motion, reason
-        for kind in ATTRACTORS:
-            cells.attractors[kind.name][i, j] = not why and bool(kind.of(found))
+            cells.reason[i], why = _reason_of(error), str(error)
+        cells.attractors[:, i] = [not why and bool(kind.of(found)) for kind in ATTRACTORS]
         if why:
-            cells.notes[i, j] = why
+            cells.motion[i], cells.notes[i] = Motion.UNDECIDED, why

@@ -11,13 +11,13 @@ import numpy as np
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
-from stickslip_sym.core.errors import NotConverged, OutOfTime, StickSlipError
+from stickslip_sym.core.errors import NotConverged, OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
-from stickslip_sym.motion.maps.cells import CURVES, LATE, Cells, Line, Reason, decide, reason_of
+from stickslip_sym.motion.maps.cells import CURVES, LATE, Cells, Reason, decide
 from stickslip_sym.motion.maps.drawing import FAILED, UNBOUNDED, UNDECIDED, paint, regions_of_attractors
-from stickslip_sym.motion.maps.table import Axis, AxisValues, Table, count_of, read_plane
+from stickslip_sym.motion.maps.table import AxisValues, Table, count_of, read_plane
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Region
 from stickslip_sym.motion.workers import Progress, Workers, collect
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-_ALONG = ("c", "N", "m", "k")
+_ALONG = ("c", "k", "m", "N")  # quantities that change neither the law nor the belt speed
 _CELLS = 300  # of a task: so many share what is computed of a law
 
 
@@ -74,11 +74,6 @@ class MotionMap(Table):
             "reason": files.texts(self.reason),
             **{f"c_{name}": curve for name, curve in self.thresholds.items()},
         }
-
-    @property
-    def coexist(self) -> BoolArray:
-        """Where more than one attractor exists, as an array of bool."""
-        return np.asarray(sum(exists.astype(int) for exists in self.attractors.values()) > 1)
 
     def count(self) -> dict[Motion, int]:
         """Return the number of cells of each motion, where there are any."""
@@ -185,65 +180,32 @@ def motion_map(
     law = as_law(law)
     axes, bound, fixed = read_plane(law, x, y, {"V": V, "N": N, "m": m, "k": k, "c": c})
     rtol = read_rtol(rtol, least=1e-8)
-    lines = _lines(fixed, axes)
+    grid = np.meshgrid(*(axis.values for axis in axes))
+    shape, names = grid[0].shape, [axis.name for axis in axes]
+    points = {name: np.full(grid[0].size, value) for name, value in fixed.items()}
+    points |= {name: values.ravel() for name, values in zip(names, grid, strict=True)}
+    # Those of one law and belt speed beside each other, and along c those that differ in nothing else.
+    keys = [*_ALONG, "V", *(name for name in names if name in law.parameters)]
+    order = np.lexsort([points[name] for name in keys])
+    rows = [order[i : i + _CELLS] for i in range(0, order.size, _CELLS)]
     with deadline.time_limit(time_limit):
-        count = max(1, _CELLS // lines[0].c.size)
-        tasks = [lines[i : i + count] for i in range(0, len(lines), count)]
+        tasks = [{name: column[some] for name, column in points.items()} for some in rows]
         results = collect(partial(decide, bound, rtol), tasks, workers=workers, progress=progress)
-    shape = axes[1].values.size, axes[0].values.size
+    cells = Cells.unknown(order.size)
+    for some, part in zip(rows, results, strict=True):
+        cells.put(some, part or OutOfTime(LATE))
+    columns = grid[0].shape[1]
+    # Where c is an axis a threshold is a curve along the other.
+    curve = np.s_[:, :1] if names[0] == "c" else np.s_[:1] if names[1] == "c" else np.s_[:]
     found = MotionMap(
         axes, bound, fixed,
-        motion=np.full(shape, Motion.UNDECIDED),
-        attractors={kind.name: np.zeros(shape, dtype=bool) for kind in ATTRACTORS},
-        reason=np.full(shape, Reason.TIME),
-        thresholds={name: np.full(shape, np.nan) for name in CURVES},
-        notes={},
+        motion=cells.motion.reshape(shape),
+        attractors={kind.name: row.reshape(shape) for kind, row in zip(ATTRACTORS, cells.attractors, strict=True)},
+        reason=cells.reason.reshape(shape),
+        thresholds={name: row.reshape(shape)[curve] for name, row in zip(CURVES, cells.thresholds, strict=True)},
+        notes={divmod(i, columns): cells.notes[i] for i in sorted(cells.notes)},
         interrupted=None in results,
     )  # fmt: skip
-    late = OutOfTime(LATE)
-    for task, part in zip(tasks, results, strict=True):
-        for line, cells in zip(task, part or [late] * len(task), strict=True):
-            _fill(found, line, cells)
-    if "c" not in fixed:
-        once = np.s_[:1] if axes[1].name == "c" else np.s_[:, :1]
-        found.thresholds.update({name: curve[once] for name, curve in found.thresholds.items()})
     if (found.reason == Reason.FAILED).all():
         raise NotConverged(f"every cell failed, the first one since {next(iter(found.notes.values()))}")
     return found
-
-
-def _lines(fixed: dict[str, float], axes: tuple[Axis, Axis]) -> list[Line]:
-    """Return the cells of a map as lines along c where it is an axis, else along one that leaves law and speed."""
-    along = min(axes, key=lambda axis: [*_ALONG, axis.name].index(axis.name))
-    across = axes[along is axes[0]]
-    places = np.indices((axes[1].values.size, axes[0].values.size))
-    if along is axes[1]:
-        places = places.swapaxes(1, 2)
-    lines = []
-    for value, (rows, columns) in zip(across.values.tolist(), places.swapaxes(0, 1), strict=True):
-        point = fixed | {across.name: value}
-        if along.name == "c":
-            lines.append(Line((rows[None], columns[None]), [point], along.values[None]))
-            continue
-        points = [point | {along.name: one} for one in along.values.tolist()]
-        size = len(points) if along.name in _ALONG else 1
-        for i in range(0, len(points), size):
-            some = slice(i, i + size)
-            c = np.full((size, 1), point["c"])
-            lines.append(Line((rows[some, None], columns[some, None]), points[some], c))
-    return lines
-
-
-def _fill(found: MotionMap, line: Line, cells: Cells | StickSlipError) -> None:
-    """Write the cells of a line into a map."""
-    places = list(zip(*(part.ravel().tolist() for part in line.place), strict=True))
-    if isinstance(cells, StickSlipError):
-        found.reason[line.place] = reason_of(cells)
-        found.notes.update(dict.fromkeys(places, str(cells)))
-        return
-    found.motion[line.place], found.reason[line.place] = cells.motion, cells.reason
-    for wholes, parts in ((found.attractors, cells.attractors), (found.thresholds, cells.thresholds)):
-        for name, part in parts.items():
-            wholes[name][line.place] = part
-    width = line.c.shape[1]
-    found.notes.update({places[i * width + j]: text for (i, j), text in cells.notes.items()})
