@@ -2,7 +2,7 @@ __version__: str
 
 from . import criteria as criteria
 from .comparison.compare import compare as compare
-from .comparison.study.study import study as study
+from .comparison.study import study as study
 from .comparison.tradeoff import tradeoff as tradeoff
 from .core import symbols as symbols
 from .core.errors import InputError as InputError

@@ -20,10 +20,8 @@ from stickslip_sym.motion.simulation.reference import simulate_by_solve_ivp, sli
 _ITERATIONS = 3  # of the friction force in a Newmark step; it changes by 1e-4 relative in one
 _ROUND = 1.5 * 2 * math.pi  # time in 1/omega within which a slip comes back to the belt's speed, if it does
 _WIDEST = 1e3  # times sqrt(k m): no damping beyond is tried
-_PERIODS, _LAST = (
-    80 * 2 * math.pi,
-    0.2,
-)  # time of a run in 1/omega, and the part at its end that decides about rest
+_PERIODS = 80 * 2 * math.pi  # time of a run in 1/omega
+_LAST = 0.2  # of it, at its end, that decides about rest
 _QUIET = 0.1  # largest speed at rest, over the belt's
 _WIDTH = 0.01  # of the smoothed sign of the slip speed, over the belt's
 _LEAST = 1e-2  # absolute tolerance in units of V and V/omega, over the relative one

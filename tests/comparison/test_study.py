@@ -9,7 +9,7 @@ import pytest
 from pages import XHTML, check_well_formed, look_at
 
 import stickslip_sym as ss
-from stickslip_sym.comparison.study import study as studies
+from stickslip_sym.comparison import study as studies
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.motion.thresholds.threshold import Threshold
 
