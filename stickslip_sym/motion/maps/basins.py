@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import partial
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,14 +18,13 @@ from stickslip_sym.core.errors import NotConverged, OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
-from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.maps.cells import LATE
 from stickslip_sym.motion.maps.drawing import paint, regions_of_motions
 from stickslip_sym.motion.maps.table import Axis, Table, count_of, read_values, require_few
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.classification import followed
-from stickslip_sym.motion.regimes.regime import Regime, kept_regime, regime
-from stickslip_sym.motion.regimes.separatrix import Separatrix
+from stickslip_sym.motion.regimes.regime import Regime, kept_regime
 from stickslip_sym.motion.steps import TIGHT
 from stickslip_sym.motion.workers import Progress, Workers, collect
 from stickslip_sym.output import files
@@ -179,35 +177,33 @@ def basin_map(
     >>> f"{found.share[Motion.REST].value:.6f} of the box come to rest"
     '0.223441 of the box come to rest'
     """
-    law = as_law(law)
-    rtol = read_rtol(rtol)
+    law, osc, rtol = as_law(law), as_oscillator(osc), read_rtol(rtol)
     axes = (
         Axis("x0", read_values("x0", x0), "m", "initial displacement"),
         Axis("v0", read_values("v0", v0), "m/s", "initial velocity"),
     )
     x, v = (axis.values for axis in axes)
     require_few(x.size, v.size)
+    found = kept_regime(law, osc, TIGHT)  # separatrices are few, and decide about many initial conditions
+    sides, share = np.full((v.size, x.size), None, dtype=object), dict[Motion, Share]()
     with deadline.time_limit(time_limit):
-        found = regime(law, osc, rtol=TIGHT)  # separatrices are few, and decide about many initial conditions
-        sides = found.by_side(x, v[:, None])
+        with suppress(OutOfTime):
+            deadline.check_time()
+            sides = found.by_side(x, v[:, None])
+            if min(x.size, v.size) > 1:
+                share = shares_by_area(found, (x[0], x[-1]), (v[0], v[-1]))
         motion = sides.copy()
         known = np.flatnonzero(motion)
         check = np.random.default_rng(_SEED).choice(known, min(known.size, _CHECKED), replace=False)
         chosen = ~motion.astype(bool)
         chosen.flat[check] = True
         rows, columns = np.nonzero(chosen)
-        points = np.array([x[columns], v[rows]])
-        tasks = [points[:, i : i + _TOGETHER] for i in range(0, rows.size, _TOGETHER)]
+        tasks = [np.array([x[columns], v[rows]])[:, i : i + _TOGETHER] for i in range(0, rows.size, _TOGETHER)]
         results = collect(partial(followed, law, osc, rtol), tasks, workers=workers, progress=progress)
-        share = dict[Motion, Share]()
-        if min(x.size, v.size) > 1:
-            with suppress(OutOfTime):
-                share = shares_by_area(found, (x[0], x[-1]), (v[0], v[-1]))
-    late = OutOfTime(LATE)
     fates = [
         fate
         for task, part in zip(tasks, results, strict=True)
-        for fate in ([late] * task.shape[1] if part is None else part)
+        for fate in ([OutOfTime(LATE)] * task.shape[1] if part is None else part)
     ]
     notes, disagreements = dict[tuple[int, int], str](), 0
     for place, fate in zip(zip(rows.tolist(), columns.tolist(), strict=True), fates, strict=True):
@@ -233,21 +229,11 @@ def shares_by_area(found: Regime, x0: tuple[float, float], v0: tuple[float, floa
     """
     if found.basins is None:
         return {}
-    osc = found.oscillator
-    least = [0.0 if one.kind == "graze" else float(one.w(0.0)) for one in found.separatrices]
-    coarse = kept_regime(found.law, osc, _COARSE).curves(least)
+    osc, motions, curves = found.oscillator, found.basins, found.separatrices
+    least = [0.0 if one.kind == "graze" else float(one.w(0.0)) for one in curves]
     q, w = (np.array(x0) - osc.onset(found.law)) / osc.length, np.clip(1 - np.array(v0[::-1]) / osc.V, 0.0, None)
     whole = float(q[1] - q[0]) * (v0[1] - v0[0]) / osc.V
-
-    def areas(separatrices: Sequence[Separatrix]) -> dict[Motion, float]:
-        inside = [0.0, *(float(one.area_within(q, w)) / whole for one in separatrices), 1.0]
-        shares = dict.fromkeys(found.basins or (), 0.0)
-        for motion, (low, high) in zip(found.basins or (), pairwise(inside), strict=True):
-            shares[motion] += high - low
-        return shares
-
-    rough = areas(coarse)
-    return {
-        motion: Share(value, abs(value - rough[motion]) + math.ulp(1.0))
-        for motion, value in areas(found.separatrices).items()
-    }
+    both = curves, kept_regime(found.law, osc, _COARSE).curves(least)
+    shares = np.array([np.diff([0.0, *(one.area_within(q, w) / whole for one in some), 1.0]) for some in both])
+    summed = {motion: shares[:, [one is motion for one in motions]].sum(axis=1).tolist() for motion in motions}
+    return {motion: Share(value, abs(value - rough) + math.ulp(1.0)) for motion, (value, rough) in summed.items()}

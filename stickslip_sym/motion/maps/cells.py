@@ -266,7 +266,6 @@ class _Decider:
         try:
             check_time()
             found = regime(self.law, osc, rtol=rtol)
-            check_time()  # what is named undecided for want of time is no boundary
             cells.motion[i], cells.reason[i] = classify(self.law, osc, rtol=rtol), Reason.SIMULATED
             why = "; ".join(found.undecided)
             if cells.motion[i] is Motion.UNDECIDED and not why:

@@ -18,7 +18,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.regimes.regime import NEAR, Regime, kept_regime, regime
+from stickslip_sym.motion.regimes.regime import NEAR, Regime, kept_regime
 from stickslip_sym.motion.simulation.simulate import read_initial_conditions
 from stickslip_sym.motion.slip import Slip
 from stickslip_sym.motion.steps import End
@@ -101,7 +101,7 @@ def classify(
         deadline.check_time()  # what is kept from earlier calls may need no look at the time
         if x.size >= _MANY:
             with suppress(StickSlipError):  # where the phase plane is not known, some motions may be decided yet
-                found = regime(law, osc, rtol=rtol).by_side(x, v)
+                found = kept_regime(law, osc, rtol).by_side(x, v)
         left = ~found.astype(bool)
         found[left] = followed(law, osc, rtol, np.array([x[left], v[left]]), workers)
     for one in found.flat:

@@ -12,7 +12,7 @@ round outside P's orbit, and its rounds too only grow or only shrink, up to a li
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -22,7 +22,6 @@ from scipy.optimize import brentq
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray, ObjectArray
-from stickslip_sym.core.errors import OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
@@ -60,13 +59,6 @@ _LOOKS: dict[str, dict[str, Any]] = {
     _GRAZE: {"color": "0.45", "linewidth": 1.2, "linestyle": "-."},
     "belt speed": {"color": "black", "linewidth": 0.8, "linestyle": ":", "zorder": 0},
 }
-_PARTS: dict[str, dict[str, Any]] = {
-    "whether the slip from P returns, and stick-slip": {"height": 1.0, "stick_slip": None},
-    "the limit cycles in pure slip": {"slip_cycles": (), "growth": ()},
-    "limit cycles that overtake the belt": {"overtaking": None},
-    "separatrices": {"separatrices": ()},
-}
-"""What takes time, in words and in the order in which it is found, and what stands for it where it is late."""
 
 
 @dataclass(frozen=True)
@@ -111,8 +103,6 @@ class Regime(drawing.Drawn):
         Whose motions they are.
     rtol : float
         Relative tolerance of an integration step.
-    late : tuple of str
-        What was not found within the time limit, in words.
     """
 
     reported = ("attractors",)
@@ -120,7 +110,6 @@ class Regime(drawing.Drawn):
     law: FrictionLaw
     oscillator: Oscillator
     rtol: float
-    late: tuple[str, ...] = ()
 
     @cached_property
     def system(self) -> Dimensionless:
@@ -143,12 +132,8 @@ class Regime(drawing.Drawn):
         """The equilibrium."""
         law, osc, rise = self.law, self.oscillator, self.system.rise
         x = osc.N * float(law.mu(osc.V)) / osc.k
-        levels = rise.levels
-        kink = next((i for i in range(1, len(levels) - 1) if abs(levels[i] - 1) <= _SAME), None)
-        if kink is None:
-            rate, _ = _swing(osc, law.slope(osc.V))
-            return Rest(x, rate, rate < 0)
-        jump = rise.jumps[kink]
+        jump = sum(size for level, size in zip(rise.levels, rise.jumps, strict=False) if abs(level - 1) <= _SAME)
+        # Where mu has a kink at V the two halves of a swing have slopes of their own.
         sides = [_swing(osc, law.slope(osc.V * (1 + side * 10 * _SAME))) for side in (-1, 1)]
         ends_here = any(rate < 0 and math.isinf(time) for rate, time in sides)
         if jump != 0 and osc.N > 0:
@@ -336,9 +321,9 @@ class Regime(drawing.Drawn):
 
     @cached_property
     def undecided(self) -> tuple[str, ...]:
-        """What lies within the tolerance of a boundary, or was not found in time, in words; empty as a rule."""
+        """What lies within the tolerance of a boundary, in words; empty as a rule."""
         law, osc, rest, growth = self.law, self.oscillator, self.rest, self.growth
-        words = [f"{part}: not found within the time limit" for part in self.late]
+        words = []
         if self.height == 0:
             words.append("the slip from P grazes the belt's speed within the error of the integration")
         if 0 in growth:
@@ -347,7 +332,7 @@ class Regime(drawing.Drawn):
             words.append("rest neither attracts nor repels to first order")
         if rest.one_sided:
             words.append("rest attracts motions on one side of it, and repels those on the other")
-        elif growth and rest.rate * growth[0] < 0:
+        elif rest.rate * growth[0] < 0:
             kind = "a stable" if rest.rate > 0 else "an unstable"
             words.append(f"{kind} limit cycle about rest is too small to find")
         return tuple(words)
@@ -460,7 +445,7 @@ def regime(
     rtol : float
         Relative tolerance of an integration step, 1e-13 to 1e-3.
     time_limit : float, optional
-        Seconds of computation after which what is found is returned; `undecided` says what is not.
+        Seconds of computation after which it is given up.
 
     Raises
     ------
@@ -468,6 +453,8 @@ def regime(
         For an unbound law or an unusable tolerance.
     NotConverged
         When the bound on the work is reached.
+    OutOfTime
+        When the time limit is reached.
 
     Examples
     --------
@@ -476,22 +463,10 @@ def regime(
     rest at x = 0.0261867 m
     stick-slip of period 0.631968 s, of which stick 0.0453196 s
     """
-    law, osc = as_law(law), as_oscillator(osc)
-    rtol = read_rtol(rtol)
-    found = kept_regime(law, osc, rtol)
-    late = dict[str, dict[str, Any]]()
+    found = kept_regime(as_law(law), as_oscillator(osc), read_rtol(rtol))
     with deadline.time_limit(time_limit):
-        for words, parts in _PARTS.items():
-            try:
-                for name in parts:
-                    getattr(found, name)
-            except OutOfTime:
-                late[words] = parts
-        if late:
-            known, found = vars(found), replace(found, late=tuple(late))
-            for words, parts in _PARTS.items():
-                vars(found).update({name: late.get(words, known)[name] for name in parts})
-        for name in ("rest", "undecided", "basins"):
+        deadline.check_time()  # what is kept from earlier calls may need no look at the time
+        for name in ("attractors", "separatrices", "basins"):
             getattr(found, name)
     return found
 

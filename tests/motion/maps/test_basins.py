@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
+from stickslip_sym.motion.regimes.regime import kept_regime
 
 BISTABLE = ss.laws.exponential.bind(mu_s=1, mu_m=0.5, alpha=2), ss.Oscillator(m=1, k=1, c=0.1, V=1.5, N=1)
 
@@ -100,11 +101,11 @@ def test_wrong_sides_are_noticed(monkeypatch):
     right = ss.basin_map(law, osc, x0=x0, v0=v0)
 
     def swapped(*arguments, **options):
-        found = copy(ss.regime(*arguments, **options))
+        found = copy(kept_regime(*arguments, **options))
         vars(found)["basins"] = found.basins[::-1]
         return found
 
-    monkeypatch.setattr("stickslip_sym.motion.maps.basins.regime", swapped)
+    monkeypatch.setattr("stickslip_sym.motion.maps.basins.kept_regime", swapped)
     wrong = ss.basin_map(law, osc, x0=x0, v0=v0)
     assert wrong.disagreements == 16
     assert "16 simulated ones disagree with geometry" in repr(wrong)
