@@ -12,12 +12,12 @@ from derivations import chapter
 from paper_checks.computed import law, oscillator, threshold
 from paper_checks.findings import Find, Finding, Printed, check
 from stickslip_sym import Status, peak_velocity, pure_slip_damping
-from stickslip_sym.comparison.procedures import Scan, pure_slip_by_scan
+from stickslip_sym.comparison.tradeoff import BAND, pure_slip_by_scan
 from stickslip_sym.motion.thresholds.threshold import Threshold
 
 SCAN_STEP = 0.001  # kg/s
 AGREE = 1e-8  # kg/s between thresholds by simulation and by collocation, which share no code
-SCAN = Scan(np.round(np.arange(0.0, 6.0 + SCAN_STEP / 2, SCAN_STEP), 3))
+SCANNED = np.round(np.arange(0.0, 6.0 + SCAN_STEP / 2, SCAN_STEP), 3)
 
 
 @check("N1")
@@ -38,11 +38,11 @@ def damping_ratios(find: Find, printed: Printed) -> Finding:
 def pure_slip(name: str) -> tuple[float, Threshold, float]:
     """Return the damping of the scan, the proved one of the graze, and that of a peak at the band's edge."""
     osc = oscillator()
-    scanned = pure_slip_by_scan(law(name), osc, SCAN)
+    scanned = pure_slip_by_scan(law(name), osc, SCANNED)
     quantities = {"V": osc.V, "N": osc.N, "m": osc.m, "k": osc.k}
     given: dict[str, Any] = {quantity: repr(value) for quantity, value in quantities.items()}
     proved = pure_slip_damping(law(name), **given, method="proof", rtol=1e-15)
-    return scanned, proved, peaks_at(name, osc.V - SCAN.band)
+    return scanned, proved, peaks_at(name, osc.V - BAND)
 
 
 def peaks_at(name: str, velocity: float) -> float:
@@ -72,7 +72,7 @@ def pure_slip_damping_of(find: Find, printed: Printed, *, name: str) -> Finding:
         proved=f"{stated:g} kg/s is {side} the threshold, which is {enclosure} kg/s",
         checked=f"the scan gives {scanned:.3f} kg/s; simulated peaks and collocation of the grazing orbit give "
         f"thresholds {apart:.0e} kg/s apart",
-        estimated=f"the orbit that peaks {SCAN.band:g} m/s below the belt's speed has c = {banded:.6f}, "
+        estimated=f"the orbit that peaks {BAND:g} m/s below the belt's speed has c = {banded:.6f}, "
         f"{banded - exact:.6f} kg/s higher; the scan reports the next multiple of {SCAN_STEP:g} kg/s",
         difference=f"{stated - exact:+.6f} kg/s from the exact threshold",
         reproduced=agree and scanned == stated and 0 <= stated - exact <= SCAN_STEP,

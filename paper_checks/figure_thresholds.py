@@ -10,7 +10,7 @@ from paper_checks.computed import LAWS, SPEEDS, law, oscillator, over_speeds, th
 from paper_checks.figure_motions import PAPER
 from paper_checks.printed import PRINTED
 from stickslip_sym import slope_average, symbols
-from stickslip_sym.comparison.procedures import Scan, pure_slip_by_scan
+from stickslip_sym.comparison.tradeoff import pure_slip_by_scan
 from stickslip_sym.output.drawing import BLUE, GREEN, ORANGE, finish, new_figure, panel_letters
 
 _HIGHEST = 6.0  # kg/s, the paper's axis
@@ -36,7 +36,7 @@ def scanned(name: str, V: float) -> float:
     """Return the paper's numerical threshold: Newmark runs, here only near the exact one."""
     near = threshold(name, V)
     steps = np.arange(round((near - _AROUND) * 1000), round((near + _AROUND) * 1000)) / 1000
-    return pure_slip_by_scan(law(name), oscillator(V=V), Scan(steps))
+    return pure_slip_by_scan(law(name), oscillator(V=V), steps)
 
 
 def friction_laws() -> Any:

@@ -1,7 +1,6 @@
 """The table of `derive`: a criterion in closed form and by quadrature, and the oscillator's own threshold."""
 
 import math
-import textwrap
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -24,7 +23,6 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 
-_WIDTH = 100  # characters of a line of text
 _LARGE = 0.05  # relative difference of two values from which on its reason is named
 _STIFFER = 1e4  # times the stiffness: N/(V sqrt(k m)) falls to a hundredth, where friction is weak
 _SHOWN, _DIGITS = 1e-11, 12  # relative error of the threshold in the table, and digits of it: the last may be off
@@ -50,10 +48,7 @@ class CrossCheck(Comparison):
         return {name: columns[name] for name in ("method", "c in kg/s")} | of_first | {"time": columns["time"]}
 
     def __str__(self) -> str:
-        words = [
-            textwrap.fill(text, _WIDTH, subsequent_indent="  ", break_long_words=False) for text in self.remarks
-        ]
-        return "\n".join([super().__str__(), *words])
+        return "\n".join([super().__str__(), *self.remarks])
 
 
 def crosscheck(

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stickslip_sym as ss
-from stickslip_sym.comparison import procedures, tradeoff
+from stickslip_sym.comparison import tradeoff
 from stickslip_sym.comparison.compare import Row
 from stickslip_sym.comparison.tradeoff import Trade
 from stickslip_sym.core import deadline
@@ -100,7 +100,8 @@ def test_when_time_is_up_there_is_no_number(monkeypatch):
 def test_thresholds_by_every_method(monkeypatch):
     monkeypatch.setattr(tradeoff, "SPEEDS", np.array([0.2, 0.5, 0.95]))  # the last has no threshold
     monkeypatch.setattr(tradeoff, "BISECTED", (1e-3, 1e-6))
-    monkeypatch.setattr(tradeoff, "Scan", partial(procedures.Scan, step=5e-4, band=5e-4))
+    faster = partial(tradeoff.pure_slip_by_scan, step=5e-4, band=5e-4)
+    monkeypatch.setattr(tradeoff, "pure_slip_by_scan", faster)
     trade = ss.tradeoff(ss.laws.polynomial.typical(), of="threshold").trades["threshold"]
     found = by_name(trade)
     names = ("equilibrium", "least_squares", "harmonic", "second_order", "orbit")
@@ -156,8 +157,8 @@ def test_runs_of_scipy_decide_as_classify_does():
     for x0, v0 in np.column_stack([rng.uniform(-2, 2, 5), rng.uniform(0, 2, 5)]).tolist():
         rest = ss.classify(BISTABLE, BISTABLE_OSC, x0=x0, v0=v0) is ss.Motion.REST
         rests += rest
-        assert procedures.comes_to_rest(BISTABLE, BISTABLE_OSC, x0, v0, 1e-6) == rest
-        assert procedures.comes_to_rest_smoothed(BISTABLE, BISTABLE_OSC, x0, v0, 1e-3) == rest
+        assert tradeoff.comes_to_rest(BISTABLE, BISTABLE_OSC, x0, v0, 1e-6) == rest
+        assert tradeoff.comes_to_rest_smoothed(BISTABLE, BISTABLE_OSC, x0, v0, 1e-3) == rest
     assert 1 <= rests <= 4
 
 

@@ -43,7 +43,7 @@ figure_thresholds._SCANNED = ()
 report.SPEEDS = tradeoff.SPEEDS = tradeoff.SPEEDS[[10]]
 report.LAWS = report.LAWS[:1]
 tradeoff.SCAN_STEP = 0.01
-tradeoff.Scan = partial(tradeoff.Scan, step=1e-3, band=1e-3)
+tradeoff.pure_slip_by_scan = partial(tradeoff.pure_slip_by_scan, step=1e-3, band=1e-3)
 sys.exit(pytest.main(sys.argv[1:]))
 """
 
