@@ -35,8 +35,8 @@ def test_a_file_gives_the_fit_of_its_numbers(tmp_path, run):
     [
         (("0.0061,", "0.0061;"), "line 4, column 1: the row has 1 column,"),
         (("v [m/s]", "v [rpm]"), "rpm is a rotational speed; give the radius of the track in m, like --radius"),
-        ((",mu\n", ",load [N]\n"), "line 1: no column is mu, or F_t and F_n; understood: 'v [m/s]' as v"),
-        (("1.5,", "1.5,n/a "), "column 2, 'mu': a finite number is needed, like 0.35; got 'n/a"),
+        ((",mu\n", ",load [N]\n"), "line 1: got 'v [m/s],load [N]'; a table begins with a header"),
+        (("1.5,", "1.5,n/a "), "column 2, 'mu': a finite number is needed, like 0.35"),
         (("0.0061,", "0.0061,-999,"), "mend the row, begin it with #, or leave out rows like it: --leave-out"),
     ],
 )

@@ -1,6 +1,6 @@
 """The columns of a table of measurements: their words and units, and which holds which quantity.
 
-One more word or unit is an entry in `_WORDS` or `_UNITS`. A word may mean more than one quantity; the unit
+One more word or unit is an entry in `_WORDS` or `_SIZES`. A word may mean more than one quantity; the unit
 decides, and where it does not the header is refused.
 """
 
@@ -14,6 +14,7 @@ from typing import NamedTuple
 from stickslip_sym.core.errors import InputError
 
 EXPECTED = "v [m/s],mu or v [mm/s];F_t [N];F_n [N];sigma_mu"
+_ADVICE = f"choose columns, like columns={{'mu': 'COF', 'v': '2 [mm/s]'}}, or write a header like {EXPECTED}"
 KINDS = {
     "v": ("speed", "rotation"), "mu": ("number",), "F_t": ("force",), "F_n": ("force",), "sigma_mu": ("number",),
     "sigma_F_t": ("force",), "n": ("number",),
@@ -33,42 +34,45 @@ class Unit(NamedTuple):
     size: Fraction
 
 
-def _sizes(text: str) -> dict[str, Fraction]:
-    return {name: Fraction(size) for name, size in map(str.split, text.split(", "))}
-
-
 _TURN = Fraction(2 * math.pi)
-_LENGTHS = _sizes(
-    "nm 1e-9, um 1e-6, μm 1e-6, micron 1e-6, mm 1e-3, cm 1e-2, dm 1e-1, m 1, km 1e3, in 0.0254, inch 0.0254, "
-    "ft 0.3048, mi 1609.344"
-)
+_NUMBERS = ("1", "-", "–", "—", "--", "dimensionless", "none", "N/N")
+_SIZES = {
+    "length": "nm 1e-9, um 1e-6, μm 1e-6, micron 1e-6, mm 1e-3, cm 1e-2, dm 1e-1, m 1, km 1e3, in 0.0254, "
+              "inch 0.0254, ft 0.3048, mi 1609.344",
+    "time": "ms 1e-3, s 1, sec 1, second 1, min 60, minute 60, h 3600, hr 3600, hour 3600",
+    "speed": "mps 1, kph 5/18, kmh 5/18, mph 0.44704, ips 0.0254, fps 0.3048, fpm 0.00508, knot 463/900",
+    "force": "nN 1e-9, uN 1e-6, μN 1e-6, mN 1e-3, cN 1e-2, N 1, newton 1, daN 10, kN 1e3, MN 1e6, kgf 9.80665, "
+             "kp 9.80665, gf 0.00980665, lbf 4.4482216152605, ozf 0.27801385095378125, dyn 1e-5",
+}  # fmt: skip
+"""Sizes in SI units. Capitals count, as they tell mN from MN."""
+_UNITS = {
+    name: Unit(kind, Fraction(size))
+    for kind, text in _SIZES.items()
+    for name, size in map(str.split, text.split(", "))
+} | {name: Unit("number", Fraction(1)) for name in _NUMBERS}
+_UNITS |= {
+    "rpm": Unit("rotation", _TURN / 60),
+    "RPM": Unit("rotation", _TURN / 60),
+    "rps": Unit("rotation", _TURN),
+}
 _ANGLES = {"rad": Fraction(1), "deg": _TURN / 360, "°": _TURN / 360}
-_ANGLES |= dict.fromkeys(("rev", "r", "U", "1", "turn"), _TURN)
-_TIMES = _sizes("ms 1e-3, s 1, sec 1, second 1, min 60, minute 60, h 3600, hr 3600, hour 3600")
-_NAMED = {
-    "number": dict.fromkeys(("1", "-", "–", "—", "--", "dimensionless", "none", "N/N"), Fraction(1)),
-    "speed": _sizes("mps 1, kph 5/18, kmh 5/18, mph 0.44704, ips 0.0254, fps 0.3048, fpm 0.00508, knot 463/900"),
-    "rotation": {"rpm": _TURN / 60, "RPM": _TURN / 60, "rps": _TURN},
-    "force": _sizes(
-        "nN 1e-9, uN 1e-6, μN 1e-6, mN 1e-3, cN 1e-2, N 1, newton 1, daN 10, kN 1e3, MN 1e6, kgf 9.80665, "
-        "kp 9.80665, gf 0.00980665, lbf 4.4482216152605, ozf 0.27801385095378125, dyn 1e-5"
-    ),
-}
-_UNITS = {name: Unit(kind, size) for kind, sizes in _NAMED.items() for name, size in sizes.items()} | {
-    f"{above}/{below}": Unit(kind, size / time)
-    for kind, sizes in (("speed", _LENGTHS), ("rotation", _ANGLES))
-    for above, size in sizes.items()
-    for below, time in _TIMES.items()
-}
-"""Capitals count, as they tell mN from MN."""
+_ANGLES |= dict.fromkeys(("rev", "r", "U", "1", "turn", ""), _TURN)
 _INVERSE = re.compile(r"[ *.·]?(\w+?)(?:\^|\*\*)?[-−]1$")
 
 
 def read_unit(text: str) -> Unit | None:
     """Return the unit that a text names, like ``mm/s``, ``mm s^-1``, ``mm·s⁻¹`` or ``rpm``; None if not known."""
     text = " ".join(text.replace("\N{MICRO SIGN}", "μ").replace("⁻¹", "^-1").split())
-    above, _, below = (text if "/" in text else _INVERSE.sub(r"/\1", text)).partition("/")
-    return _UNITS.get(text) or _UNITS.get(f"{above.strip() or '1'}/{below.strip()}")
+    known = _UNITS.get(text)
+    if known is not None:
+        return None if known.kind in ("length", "time") else known
+    above, _, below = map(str.strip, (text if "/" in text else _INVERSE.sub(r"/\1", text)).partition("/"))
+    length, time = _UNITS.get(above), _UNITS.get(below)
+    if time is None or time.kind != "time":
+        return None
+    if above in _ANGLES:
+        return Unit("rotation", _ANGLES[above] / time.size)
+    return Unit("speed", length.size / time.size) if length is not None and length.kind == "length" else None
 
 
 _SPREAD = "sigma|sd|std(dev)?|stdev|(standard)?(error|uncertainty)|standarddeviation|err|scatter"
@@ -93,27 +97,19 @@ _QUALIFIERS = frozenset({"mean", "average", "avg", "ave", "kinetic", "kin", "dyn
 """Words that change nothing: a mean coefficient of kinetic friction is one."""
 _GREEK = str.maketrans({"\N{MICRO SIGN}": " mu ", "μ": " mu ", "σ": " sigma "})
 _BREAKS = re.compile(r"[\s_\-.:,/|(){}\\$\"']+")
-_TORQUE = re.compile(r"torque|moment|[\[(]\s*[mk]?N\s?[·*.]?\s?[cm]?m\s*[\])]", re.IGNORECASE)
-
-
-def _words(text: str) -> list[str]:
-    """Return the words of a name without capitals, signs and what qualifies them."""
-    return [word for word in _BREAKS.split(text.lower().translate(_GREEK)) if word and word not in _QUALIFIERS]
+_BRACKETS = re.compile(r"(?P<name>.*?)\s*/?\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\))", re.DOTALL)
+_SPLITS = re.compile(r"\s+in\s+|\s*/\s*|\s*,\s*|\s+|_")
 
 
 def _meanings(name: str) -> tuple[str, ...]:
     """Return what a name may mean; two names of one quantity, like friction coefficient mu, mean it too."""
-    words = _words(name)
+    words = [word for word in _BREAKS.split(name.lower().translate(_GREEK)) if word and word not in _QUALIFIERS]
     for i in range(len(words)):
         parts = ["".join(part) for part in (words[:i], words[i:]) if part]
         found = {next((kind for form, kind in _WORDS.items() if re.fullmatch(form, part)), ()) for part in parts}
         if len(found) == 1 and (meanings := found.pop()):
             return meanings
     return ()
-
-
-_BRACKETS = re.compile(r"(?P<name>.*?)\s*/?\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\))", re.DOTALL)
-_SPLITS = re.compile(r"\s+in\s+|\s*/\s*|\s*,\s*|\s+|_")
 
 
 def _name_and_unit(text: str) -> tuple[str, str]:
@@ -131,23 +127,20 @@ def _name_and_unit(text: str) -> tuple[str, str]:
 
 @dataclass(frozen=True)
 class Column:
-    """A column by its header: its name and unit as written, what it may hold, and where it stands, from 0."""
+    """A column by its header: its name and unit as written, what it may hold, and its number, from 1."""
 
     text: str
     name: str
     meanings: tuple[str, ...]
     unit_text: str = ""
-    position: int = 0
-    size: Fraction = Fraction(1)
+    number: int = 0
 
     @classmethod
-    def read(cls, text: str, unit: str = "") -> "Column":
-        """Return what a cell of a header says, and the cell below it of a row of units."""
-        text, unit = " ".join(text.split()), unit.strip().strip("[]()").strip()
-        name, unit_text = _name_and_unit(text)
-        if unit and not unit_text:
-            text, unit_text = f"{text} [{unit}]", unit
-        return cls(text, name, _meanings(name), unit_text or ("rpm" if _words(name) == ["rpm"] else ""))
+    def read(cls, text: str, number: int = 0) -> "Column":
+        """Return what a cell of a header says."""
+        name, unit_text = _name_and_unit(" ".join(text.split()))
+        turns = name.strip("\"' ").lower() == "rpm"
+        return cls(" ".join(text.split()), name, _meanings(name), unit_text or "rpm" * turns, number)
 
     @property
     def unit(self) -> Unit | None:
@@ -165,6 +158,11 @@ class Column:
         unit = self.unit
         return tuple(one for one in self.meanings if unit is None or unit.kind in KINDS[one])
 
+    @property
+    def size(self) -> Fraction:
+        """The size of its unit in SI units, 1 without one."""
+        return Fraction(1) if self.unit is None else self.unit.size
+
 
 def is_header(cells: Sequence[str]) -> bool:
     """Return whether names hold both a speed and friction, in whatever units."""
@@ -172,115 +170,83 @@ def is_header(cells: Sequence[str]) -> bool:
     return "v" in named and bool(named & {"mu", "F_t"})
 
 
-def _refuse(where: str, *rules: tuple[object, str]) -> None:
-    """Raise an `InputError` with the words of the first rule whose condition is true."""
-    for wrong, words in rules:
-        if wrong:
-            raise InputError(f"{where}: {words}")
-
-
 def choose_columns(
-    headers: Sequence[Column], line: str, chosen: Mapping[str, str | int], radius: Fraction | None
+    cells: Sequence[str], where: str, chosen: Mapping[str, str | int], radius: Fraction | None
 ) -> dict[str, Column]:
     """Return which column holds which quantity: those the user chose, and those that are understood."""
-    headers = list(headers)
+    headers = [Column.read(cell, number) for number, cell in enumerate(cells, 1)]
     for quantity, text in chosen.items():
-        _choose(headers, line, quantity, str(text).strip())
+        headers = _chosen(headers, where, quantity, str(text).strip())
     columns: dict[str, Column] = {}
     has_mu = any(header.meanings == ("mu",) for header in headers)
-    for i, header in enumerate(headers):
+    for header in headers:
         meanings = header.meanings
         if has_mu and meanings != ("mu",):  # forces beside mu are not needed
             meanings = tuple(one for one in header.possible or meanings if one in ("v", "sigma_mu", "n"))
         if meanings:
-            column = replace(header, meanings=meanings, position=i)
-            _check(column, line, columns, radius)
-            size = column.unit.size if column.unit else Fraction(1)
-            columns[column.possible[0]] = replace(column, size=size * (radius or 1) if column.turns else size)
-    _check_complete(columns, headers, line)
-    if radius is not None and not columns["v"].turns:
-        words = f"radius = {float(radius):g} m is for a rotational speed; here v is a speed already"
-        raise InputError(f"{line}: {words}")
-    kept = ("v", "mu", "sigma_mu", "n") if "mu" in columns else ("v", "F_t", "F_n", "sigma_mu", "sigma_F_t", "n")
-    return {quantity: columns[quantity] for quantity in kept if quantity in columns}
+            column = replace(header, meanings=meanings)
+            if fault := _fault(column, columns, radius):
+                raise InputError(f"{where}, column {column.number}, {_quoted(column.text)}: {fault}; {_ADVICE}")
+            columns[column.possible[0]] = column
+    if fault := _fault_of_all(columns, radius):
+        known = [f"{_quoted(h.text)} as {' or '.join(h.meanings) or 'nothing'}" for h in headers if h.text]
+        raise InputError(f"{where}: {fault}; understood: {', '.join(known)[:300]}; {_ADVICE}")
+    return {quantity: columns[quantity] for quantity in KINDS if quantity in columns}
 
 
-def _choose(headers: list[Column], line: str, quantity: str, text: str) -> None:
-    """Make the column that the user chose for a quantity the only one of it."""
+def _chosen(headers: Sequence[Column], where: str, quantity: str, text: str) -> list[Column]:
+    """Return the columns with the one that the user chose as the only one of a quantity."""
     if quantity not in KINDS:
         raise InputError(f"a column holds {', '.join(KINDS)}, got {quantity!r}")
-
-    def named(name: str) -> list[int]:
-        matches = [i for i, header in enumerate(headers) if name in (header.text, header.name)]
-        numbered = not matches and name.isdecimal() and 1 <= int(name) <= len(headers)
-        return [int(name) - 1] if numbered else matches
-
-    name, unit_text = (text, "") if named(text) else _name_and_unit(text)
-    matches = named(name)
-    if len(matches) != 1:
-        known = ", ".join(_quoted(header.text) for header in headers)[:200]
-        raise InputError(
-            f"{line}: {len(matches) or 'no'} columns are {_quoted(name)}; it has {known}; give the name of one, "
-            f"or its number from 1 to {len(headers)}"
-        )
-    for i, header in enumerate(headers):
-        headers[i] = replace(header, meanings=tuple(one for one in header.meanings if one != quantity))
-    own = headers[matches[0]]
-    headers[matches[0]] = replace(own, meanings=(quantity,), unit_text=unit_text or own.unit_text)
+    for name, unit_text in ((text, ""), _name_and_unit(text)):
+        named = [header for header in headers if name in (header.text, header.name)]
+        named = named or [header for header in headers if name == str(header.number)]
+        if len(named) == 1:
+            others = [
+                replace(header, meanings=tuple(one for one in header.meanings if one != quantity))
+                for header in headers
+            ]
+            unit_text = unit_text or named[0].unit_text
+            others[named[0].number - 1] = replace(named[0], meanings=(quantity,), unit_text=unit_text)
+            return others
+    known = ", ".join(_quoted(header.text) for header in headers)[:200]
+    raise InputError(
+        f"{where}: {len(named) or 'no'} columns are {_quoted(name)}; it has {known}; give the name of one, or its "
+        f"number from 1 to {len(headers)}"
+    )
 
 
-def _check(column: Column, line: str, columns: Mapping[str, Column], radius: Fraction | None) -> None:
-    """Refuse a column that is understood for its unit, for two meanings, or as another one holds the same."""
-    unit, meanings, shown = column.unit, column.possible, _quoted(column.unit_text)
-    example = _EXAMPLES[KINDS[column.meanings[0]][0]]
-    fitting = [name for name, kinds in KINDS.items() if unit is not None and unit.kind in kinds]
-    choice = _choice((meanings or fitting or column.meanings)[0], column.text)
-    other = columns.get(meanings[0]) if meanings else None
-    twice = f"column {other.position + 1}, {_quoted(other.text)}, is {meanings[0]} too" if other else ""
-    _refuse(
-        f"{line}, column {column.position + 1}, {_quoted(column.text)}",
-        (column.unit_text and unit is None, f"the unit {shown} is not known here; write one {example}"),
-        (not meanings, f"{shown} is no unit {example}; check both, or {choice}"),
-        ("v" in meanings and unit is None and column.text.strip("\"' ") not in ("v", ""),  # V may be volts
-         "a speed without a unit; write v [m/s], or v [mm/s], whichever it is"),
-        (column.turns and radius is None,
-         f"{column.unit_text} is a rotational speed; give the radius of the track in m, like radius=0.03"),
-        (len(meanings) > 1, f"this may be {' or '.join(meanings)}; {choice}"),
-        (other, f"{twice}; {choice}"),
-    )  # fmt: skip
+def _fault(column: Column, columns: Mapping[str, Column], radius: Fraction | None) -> str:
+    """Return what is wrong with a column that is understood: its unit, two meanings, or another one like it."""
+    unit, possible = column.unit, column.possible
+    if not possible or (column.unit_text and unit is None):
+        example = _EXAMPLES[KINDS[column.meanings[0]][0]]
+        return f"{_quoted(column.unit_text)} is no unit {'' if unit else 'known here '}{example}"
+    if "v" in possible and unit is None and column.text.strip("\"' ") not in ("v", ""):  # V may be volts
+        return "a speed without a unit; write v [m/s], or v [mm/s], whichever it is"
+    if column.turns and radius is None:
+        return f"{column.unit_text} is a rotational speed; give the radius of the track in m, like radius=0.03"
+    if len(possible) > 1:
+        return f"this may be {' or '.join(possible)}"
+    other = columns.get(possible[0])
+    return f"column {other.number}, {_quoted(other.text)}, is {possible[0]} too" if other else ""
 
 
-def _check_complete(columns: Mapping[str, Column], headers: Sequence[Column], line: str) -> None:
-    """Refuse a table that lacks a quantity, with what is understood, or whose forces do not go together."""
-    forces = {"F_t", "F_n"} & columns.keys()
-    missing = "the slip speed" if "v" not in columns else "F_n" if "F_t" in forces else "mu, or F_t and F_n"
-    known = [f"{_quoted(h.text)} as {' or '.join(h.meanings)}" for h in headers if h.meanings]
-    other = [h.text for h in headers if not h.meanings and h.text]
-    torque = next((h.text for h in headers if _TORQUE.search(h.text)), None)
-    wanted = _choice("mu" if any("v" in h.meanings for h in headers) else "v", other[0] if other else "COF")
-    words = [
-        f"understood: {', '.join(known)}" if known else "",
-        f"not understood: {', '.join(map(_quoted, other))[:120]}" if other else "",
-        f"{_quoted(torque)} is a torque: divide it by its lever arm for F_t [N]" if torque else "",
-        f"{wanted}, or write a header like {EXPECTED}",
-    ]
-    bare = {name for name, column in columns.items() if column.unit is None}
+def _fault_of_all(columns: Mapping[str, Column], radius: Fraction | None) -> str:
+    """Return which quantity a table lacks, or which of its columns do not go together."""
     by_force = "mu" not in columns
-    _refuse(
-        line,
-        ("v" not in columns or (by_force and len(forces) < 2),
-         f"no column is {missing}; {'; '.join(filter(None, words))}"),
-        (by_force and len(bare & forces) == 1,
-         "one force has a unit and the other none; write both, like F_t [N], F_n [N]"),
-        (by_force and "sigma_F_t" in columns and len(bare & {"F_t", "sigma_F_t"}) == 1,
-         "sigma of F_t has no unit; write it, like sigma_F_t [N]"),
-        (by_force and {"sigma_mu", "sigma_F_t"} <= columns.keys(),
-         "there are sigma of mu and of F_t; leave one out"),
-    )  # fmt: skip
-
-
-def _choice(quantity: str, text: str) -> str:
-    return f"name the column, like columns={{'{quantity}': '{text[:40]}'}}"
+    if "v" not in columns:
+        return "no column is the slip speed"
+    if by_force and not {"F_t", "F_n"} <= columns.keys():
+        return "no column is F_n" if "F_t" in columns else "no column is mu, or F_t and F_n"
+    forces = [columns[name] for name in ("F_t", "F_n", "sigma_F_t") if by_force and name in columns]
+    if len({column.unit is None for column in forces}) > 1:
+        return "one force has a unit and another none; write those of all, like F_t [N], F_n [N], sigma_F_t [N]"
+    if {"sigma_mu", "sigma_F_t"} <= columns.keys():
+        return "there are sigma of mu and of F_t; leave one out"
+    if radius is not None and not columns["v"].turns:
+        return f"radius = {float(radius):g} m is for a rotational speed; here v is a speed already"
+    return ""
 
 
 def _quoted(text: str) -> str:

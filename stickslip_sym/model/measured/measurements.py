@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import Number, fraction, read_array, real
+from stickslip_sym.core.numbers import Number, fraction, read_array, real, require_type
 from stickslip_sym.model.measured.table import Table, read_table
 
 _FEW = 0.05  # share of rows with the other sign, up to which they are noise of a small force
@@ -23,7 +24,8 @@ _BESIDE = 3  # rows on either side that an outlier is held against; one of them 
 _RISES = 4.0  # times what friction changes between rows beside an outlier, which a smooth curve may exceed too
 _ROBUST = 1.4826 / 1.5**0.5  # standard deviation over the median of |mu_i - (mu_i-1 + mu_i+1)/2|
 _RESOLUTION = 0.01  # of mu: smaller steps are no outliers, however even the other rows are
-_SIGMAS = {"sigma_mu": "sigma", "sigma_F_t": "sigma of F_t", "n": "n"}
+_SMOOTH = "mu is more than 6 robust standard deviations off a smooth curve; keep such rows by keep_outliers=True"
+_OTHERS = {"sigma_mu": "sigma", "sigma_F_t": "sigma of F_t", "n": "n"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -204,11 +206,8 @@ def read_measurements(
     ...     print(read_measurements(file))
     2 rows, v in mm/s, mu from F_t/F_n, both signs of speed folded
     """
-    if not isinstance(path, str | Path) or not str(path):
-        raise InputError(f"the name of a file of measurements is text, got {path!r}")
-    if not isinstance(columns or {}, Mapping):
-        raise InputError(f"columns is a dict like {{'v': 1, 'mu': 'Friction Factor'}}, got {columns!r}")
-    path = Path(path)
+    require_type("the name of a file of measurements", path, str | Path, "text")
+    require_type("columns", columns or {}, Mapping, "a dict like {'v': 1, 'mu': 'Friction Factor'}")
     track = None if radius is None else fraction(radius, "radius")
     if track is not None and not 0 < track < 1000:
         raise InputError(f"radius = {float(track):g} m is that of no track; give it in m, like 0.03")
@@ -222,9 +221,9 @@ def read_measurements(
         raise InputError(
             f"speeds from {low:g} to {high:g} m/s are no range; give the smaller first, both not below 0"
         )
+    path = Path(path)
     table = read_table(path, columns or {}, track, leave_out=leave_out)
-    v, mu, sigma, notes = _fold(table)
-    counts = table.floats("n") if "n" in table.cells else None
+    v, mu, sigma, notes = _fold(table, track or Fraction(1))
     order = np.argsort(v, kind="stable")
     order = order[(v[order] >= low) & (v[order] <= high)]
     if not len(order):
@@ -233,20 +232,30 @@ def read_measurements(
         )
     if speeds is not None:
         notes.insert(0, f"{len(order)} of {len(v)} from {low:g} to {high:g} m/s")
+    counts = table.floats("n") if "n" in table.cells else None
     if not keep_outliers:
-        rule = (
-            "mu is more than 6 robust standard deviations off a smooth curve; keep such rows by keep_outliers=True"
-        )
         off = _outliers(mu[order])
         smooth = ~np.isin(np.arange(len(v)), order[off])
-        table.require(smooth, "F_t" if "F_t" in table.cells else "mu", rule, "off a smooth curve")
+        table.require(smooth, "F_t" if "F_t" in table.cells else "mu", _SMOOTH, "off a smooth curve")
         order = order[~off]
     if table.faults:
         notes.append(f"rows left out: {table.left_out}")
+    if table.unread:
+        more = len(table.unread) - 4
+        notes.append(f"columns not read: {', '.join(table.unread[:4])}" + (f" and {more} more" * (more > 0)))
     sigma, counts = (None if one is None else one[order] for one in (sigma, counts))
     source = f"{path.name}, {datetime.fromtimestamp(path.stat().st_mtime, UTC):%Y-%m-%d}"
-    understood = _understood(table, len(order), notes)
+    rows = f"{len(order)} row{'s' * (len(order) != 1)}"
+    understood = ", ".join([rows, *_columns_in_words(table), *notes])
     return Measurements(v[order], mu[order], sigma, understood, path.stem, order, counts, source)
+
+
+def _columns_in_words(table: Table) -> list[str]:
+    """Return where speeds, coefficients, their standard deviations and counts come from."""
+    columns = table.columns
+    mu = "F_t/F_n" if "F_t" in columns else f"column {columns['mu'].number}"
+    more = [f"{name} from column {columns[key].number}" for key, name in _OTHERS.items() if key in columns]
+    return [f"v in {columns['v'].unit_text or 'm/s'}", f"mu from {mu}", *more]
 
 
 def _outliers(y: FloatArray) -> BoolArray:
@@ -271,7 +280,7 @@ def _outliers(y: FloatArray) -> BoolArray:
     return np.asarray(np.where(i < _BESIDE, first, (y < low - slack) | (y > high + slack)))
 
 
-def _fold(table: Table) -> tuple[FloatArray, FloatArray, FloatArray | None, list[str]]:
+def _fold(table: Table, radius: Fraction) -> tuple[FloatArray, FloatArray, FloatArray | None, list[str]]:
     """Return slip speeds in m/s, coefficients, their standard deviations, and what was done with signs."""
     friction, load = ("F_t", "F_n") if "F_t" in table.cells else ("mu", None)
     deviation = next((key for key in ("sigma_mu", "sigma_F_t") if key in table.cells), None)
@@ -283,54 +292,40 @@ def _fold(table: Table) -> tuple[FloatArray, FloatArray, FloatArray | None, list
         signs = np.sign(table.floats(load))
         down = 1.0 if signs.sum() >= 0 else -1.0
         table.require(signs == down, load, "a normal force is not 0, and has one sign", "without a normal force")
-    mu = down * table.numbers(friction, load)
-    small = np.abs(mu) <= _LARGEST_MU
+    small = np.abs(table.numbers(friction, load)) <= _LARGEST_MU
     rule = f"a coefficient of friction is below {_LARGEST_MU:g}"
     table.require(small, friction, rule, "with abs(mu) above 5")
-    v, mu = table.numbers("v"), mu[small]
+    v, mu = table.numbers("v", radius=radius), down * table.numbers(friction, load)
     if (fast := np.abs(v) > _FASTEST).any() and not table.columns["v"].unit_text:
         row = int(np.argmax(fast))
         raise InputError(
             f"{table.place(row, 'v')}: got v = {table.cells['v'][row]}; without a unit a speed is in m/s; write "
             "it, like v [mm/s]"
         )
-    turns, notes = _turns(table, v, mu, friction)
+    mu, notes = _without_strokes(table, np.sign(v), mu, friction)
     sigma = None if deviation is None else np.abs(table.numbers(deviation, load if "F_t" in deviation else None))
-    return np.abs(v), mu * turns + 0.0, sigma, notes  # -0.0 becomes 0.0
+    return np.abs(v), mu + 0.0, sigma, notes  # -0.0 becomes 0.0
 
 
-def _turns(table: Table, v: FloatArray, mu: FloatArray, friction: str) -> tuple[FloatArray, list[str]]:
-    """Return what each coefficient is multiplied by, 1 or -1, and what to say of it."""
-    # With the speed friction turns its sign. Signs that are noise stay: magnitudes would push small means up.
-    v_sign, sign = np.sign(v), np.sign(mu)
-    reverses = bool((v_sign < 0).any() and (v_sign > 0).any())
+def _without_strokes(table: Table, way: FloatArray, mu: FloatArray, friction: str) -> tuple[FloatArray, list[str]]:
+    """Return coefficients without the signs of strokes, and what to say of it.
+
+    With the speed friction turns its sign. Signs that are noise stay: magnitudes would push small means up.
+    """
+    reverses = bool((way < 0).any() and (way > 0).any())
     notes = ["both signs of speed folded"] if reverses else []
-    against = v_sign * sign if reverses else sign
-    below, above = int((against < 0).sum()), int((against > 0).sum())
+    if (mu >= 0).all():
+        return mu, notes
+    along = way if reverses else np.ones_like(mu)
+    below, above = (int((side * along * mu > 0).sum()) for side in (-1, 1))
     direction = -1 if below > above else 1
-    magnitude = np.where(sign < 0, -1, 1)
-    if (sign >= 0).all():
-        return magnitude, notes
     if min(below, above) <= _FEW * (below + above):
-        kept = direction * v_sign if reverses else np.full_like(sign, direction)
-        return np.where(kept == 0, magnitude, kept), notes  # a speed of 0 has no direction
+        return np.where(along == 0, np.abs(mu), direction * along * mu), notes  # a speed of 0 has no direction
     if reverses:
-        wrong = int(np.argmax(against == -direction))
+        wrong = int(np.argmax(direction * along * mu < 0))
         raise InputError(
             f"{table.place(wrong, friction)}: {friction} = {table.cells[friction][wrong]} at v = "
             f"{table.cells['v'][wrong]} is along the motion, "
             "and in most rows it is against it; give friction the sign of the speed, or no sign"
         )
-    return magnitude, [*notes, f"both signs of {friction} folded"]
-
-
-def _understood(table: Table, count: int, notes: list[str]) -> str:
-    columns = table.columns
-    mu = "F_t/F_n" if "F_t" in columns else f"column {columns['mu'].position + 1}"
-    words = [f"{count} row{'s' * (count != 1)}", f"v in {columns['v'].unit_text or 'm/s'}", f"mu from {mu}"]
-    words += [f"{name} from column {columns[key].position + 1}" for key, name in _SIGMAS.items() if key in columns]
-    words += notes
-    if table.unread:
-        more = len(table.unread) - 4
-        words.append(f"columns not read: {', '.join(table.unread[:4])}" + (f" and {more} more" * (more > 0)))
-    return ", ".join(words)
+    return np.abs(mu), [*notes, f"both signs of {friction} folded"]
