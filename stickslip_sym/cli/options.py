@@ -130,25 +130,18 @@ def plot_option(text: str) -> click.Option:
     return file_option("--plot", endings=_PICTURES, help=f"{text} (SVG, PNG or PDF).")
 
 
-def number(name: str, metavar: str, text: str, default: float | None = None) -> click.Option:
-    """Return an option that takes a number."""
-    plain = name.lstrip("-").replace("-", "_")
-    return option(
-        name, metavar=metavar, read=lambda given, _: read_number(given, plain), default=default, help=text
-    )
-
-
 def time_limit(text: str = "Seconds of computation.", default: float | None = None) -> click.Option:
     """Return the option that limits the time."""
-    return number("--time-limit", "S", text, default)
+    return option("--time-limit", metavar="S", read=read_number, default=default, help=text)
 
 
 def criterion(*more: str) -> click.Option:
     """Return the option that names a criterion, or one of more words."""
-    names = ("least_squares", "harmonic", "equilibrium", *more)
-    words = f"{', '.join(names[:-1])} or {names[-1]}."
-    complete = _complete(lambda: [*ss.criteria.catalogue, *more])
-    return option("--criterion", metavar="NAME", default=names[0], help=words, shell_complete=complete)
+    names = [*ss.criteria.catalogue, *more]
+    return option(
+        "--criterion", metavar="NAME", default="least_squares", help=f"{', '.join(names)} (least_squares).",
+        shell_complete=_complete(lambda: names),
+    )  # fmt: skip
 
 
 def _complete(names: Callable[[], Iterable[str]]) -> Callable[..., list[str]]:
@@ -203,5 +196,5 @@ METHOD = [
     option(
         "--method", metavar="NAME", default="auto", shell_complete=_complete(_methods), help="A method, or auto."
     ),
-    number("--rtol", "X", "Relative error that is good enough (0.001)."),
+    option("--rtol", metavar="X", read=read_number, help="Relative error that is good enough (0.001)."),
 ]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import stickslip_sym as ss
 from stickslip_sym.cli import options
-from stickslip_sym.cli.options import Given, option
+from stickslip_sym.cli.options import Given, option, read_number
 from stickslip_sym.cli.output import echo_found
 from stickslip_sym.cli.reading import point
 from stickslip_sym.output.tables import table
@@ -21,10 +21,10 @@ _LONGEST = 5.0  # seconds, to find where the motion leads
 
 @options.command(
     options.AT, options.DAMPING,
-    options.number("--x0", "M", "Initial displacement (0).", 0.0),
-    options.number("--v0", "M/S", "Initial velocity (belt speed)."),
-    options.number("--t-end", "S", "Duration (ten natural periods)."),
-    options.number("--rtol", "X", "Relative tolerance of a step (1e-10).", 1e-10),
+    option("--x0", metavar="M", read=read_number, default=0.0, help="Initial displacement (0)."),
+    option("--v0", metavar="M/S", read=read_number, help="Initial velocity (belt speed)."),
+    option("--t-end", metavar="S", read=read_number, help="Duration (ten natural periods)."),
+    option("--rtol", metavar="X", read=read_number, default=1e-10, help="Relative tolerance of a step (1e-10)."),
     option("--method", metavar="NAME", default="events", help="events, or solve_ivp of SciPy (events)."),
     options.time_limit(),
     options.plot_option("Draw the motion"),
