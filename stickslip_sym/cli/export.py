@@ -11,9 +11,9 @@ import click
 import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.derive import SECONDS, derived
-from stickslip_sym.cli.options import Given, file_option, option
+from stickslip_sym.cli.options import Given, file_option, option, pairs
 from stickslip_sym.cli.output import echo_json
-from stickslip_sym.cli.reading import assignments, criteria_of, law_described
+from stickslip_sym.cli.reading import criteria_of, law_described
 from stickslip_sym.core.errors import InputError, NoClosedForm
 from stickslip_sym.formula.code.languages import LANGUAGES
 
@@ -29,7 +29,7 @@ _KINDS = ("latex", *LANGUAGES, "save")
     file_option("--save", help="Exact, for stickslip_sym.load."),
     option("--fragment", is_flag=True, help="LaTeX for \\input: without preamble."),
     option("--steps", is_flag=True, help="LaTeX with every step of the derivations."),
-    option("--symbol", metavar="NAME=LATEX", multiple=True, help="Print a symbol otherwise."),
+    pairs("--symbol", text="Print a symbol otherwise.", example="--symbol V=v_b", metavar="NAME=LATEX"),
     options.time_limit("Seconds for each criterion (120).", SECONDS),
 )  # fmt: skip
 def run(given: Given) -> None:
@@ -50,8 +50,7 @@ def run(given: Given) -> None:
     laws, code = _laws(given), targets.keys() & LANGUAGES.keys()
     style: dict[str, Any] = {}
     if "latex" in targets:
-        style = {"fragment": given["fragment"], "steps": given["steps"]}
-        style["symbols"] = assignments(given["symbol"], "--symbol V=v_b")
+        style = {"fragment": given["fragment"], "steps": given["steps"], "symbols": given["symbol"]}
     given.all_used()
     unbound = _unbound(laws, every) if code else []
     found = [(law, criterion, derived(law, criterion, limit)) for law in laws for criterion in chosen]

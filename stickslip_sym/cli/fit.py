@@ -10,9 +10,9 @@ import click
 
 import stickslip_sym as ss
 from stickslip_sym.cli import options
-from stickslip_sym.cli.options import LAW_NAMES, Given, option
+from stickslip_sym.cli.options import LAW_NAMES, Given, option, pairs
 from stickslip_sym.cli.output import counted, echo_all, in_options
-from stickslip_sym.cli.reading import assignments, law_described, reading_of
+from stickslip_sym.cli.reading import law_described, reading_of
 from stickslip_sym.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 @options.command(
     click.Argument(["files"], type=Path, nargs=-1, required=True, metavar="FILE..."),
     option("--law", multiple=True, help="A law, or a formula in v (every law of the catalogue).", **LAW_NAMES),
-    option("--parameter", "-p", metavar="NAME=VALUE", multiple=True, help="Fix a parameter."),
-    option("--unit", metavar="NAME=UNIT", multiple=True, help="Unit of a formula's parameter."),
+    pairs("--parameter", "-p", text="Fix a parameter.", example="-p alpha=3"),
+    pairs("--unit", text="Unit of a formula's parameter.", example="--unit alpha=s/m", metavar="NAME=UNIT"),
     options.FILE_OF_MEASUREMENTS,
     options.plot_option("Draw the best fit of the one file"),
 )  # fmt: skip
@@ -60,7 +60,7 @@ def fitted(file: Path, laws: Sequence[ss.FrictionLaw], given: Given) -> Fits:
 
 def laws_to_fit(texts: Sequence[str], given: Given) -> list[ss.FrictionLaw]:
     """Return the laws to fit, with the parameters that are fixed; all of the catalogue if none is named."""
-    fixed = assignments(given["parameter"])
+    fixed = given["parameter"]
     laws = [law_described(given, text) for text in texts] or list(ss.laws.catalogue.values())
     for name in fixed:
         if not any(name in law.parameters for law in laws):

@@ -11,7 +11,7 @@ import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.options import Given, option, read_number
 from stickslip_sym.cli.output import counted, echo_found
-from stickslip_sym.cli.reading import assignments, point
+from stickslip_sym.cli.reading import point
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.tables import table
 
@@ -64,7 +64,7 @@ def run(given: Given) -> None:
     """
     x, y = given["x"], given["y"]
     names = x[0], y[0]
-    if twice := assignments(given["parameter"]).keys() & set(names):
+    if twice := given["parameter"].keys() & set(names):
         raise InputError(f"{min(twice)} is an axis, and given by -p too; leave one of the two out")
     at = point(given, without=names).exact("map")
     how: dict[str, Any] = {name: given[name] for name in ("time_limit", "workers")} | at.numbers

@@ -80,6 +80,27 @@ def option(*names: str, read: Reader | None = None, default: Any = None, **more:
     return click.Option(names, multiple=True, callback=value, **more)
 
 
+def read_pairs(texts: Sequence[str], example: str) -> dict[str, str]:
+    """Read NAME=VALUE texts; the example is for the refusal."""
+    values: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        name = name.strip()
+        if not equals or not name:
+            raise InputError(f"{text!r} is not NAME=VALUE; write for example {example}")
+        if name in values:
+            raise InputError(f"{name} is given twice, as {values[name]} and {value}; give it once")
+        values[name] = value
+    return values
+
+
+def pairs(*names: str, text: str, example: str, metavar: str = "NAME=VALUE") -> click.Option:
+    """Return an option that takes NAME=VALUE, and may be repeated; its value is a dictionary."""
+    return option(
+        *names, metavar=metavar, multiple=True, help=text, callback=lambda *given: read_pairs(given[2], example)
+    )
+
+
 def read_number(text: Any, name: str) -> float:
     """Read a number as people write one, such as 0.5, 1e-3 or 1/3, of a size that an operating point may have."""
     value = fraction(text, name)
@@ -157,12 +178,13 @@ def _methods() -> list[str]:
 DESCRIPTION = [
     option("--static", metavar="MU", help="Static coefficient above mu(0+): a number or a formula."),
     option("--name", metavar="NAME", help="Name of a formula or of points."),
-    option("--unit", metavar="NAME=UNIT", multiple=True, help="Unit of a formula's parameter."),
+    pairs("--unit", text="Unit of a formula's parameter.", example="--unit alpha=s/m", metavar="NAME=UNIT"),
     option("--source", metavar="TEXT", help="Where the law is from."),
 ]
 FILE_OF_MEASUREMENTS = [
-    option(
-        "--column", metavar="QUANTITY=NAME", multiple=True, help="Column of v, mu, F_t or F_n by name or number."
+    pairs(
+        "--column", text="Column of v, mu, F_t or F_n by name or number.", metavar="QUANTITY=NAME",
+        example='--column mu="Friction Factor"',
     ),
     option("--radius", metavar="M", help="Radius of the track, where the speed is in rpm."),
     option(
@@ -181,7 +203,7 @@ AT = [
     option("--from-csv", type=Path, metavar="FILE", help="Measured friction: v and mu, or v, F_t and F_n."),
     *FILE_OF_MEASUREMENTS,
     option("--extrapolate", is_flag=True, help="Hold the first and the last measured coefficient."),
-    option("--parameter", "-p", metavar="NAME=VALUE", multiple=True, help="Value of a parameter of the law."),
+    pairs("--parameter", "-p", text="Value of a parameter of the law.", example="-p alpha=3"),
     option("-V", "V", metavar="M/S", help=f"Belt speed ({PAPER['V']})."),
     option("-N", "N", metavar="N", help=f"Normal force ({PAPER['N']})."),
     option("-m", "m", metavar="KG", help=f"Mass ({PAPER['m']})."),

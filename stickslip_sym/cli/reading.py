@@ -77,7 +77,7 @@ def points(
         friction, typical = law, tuple[str, ...]()
         if friction is None:
             values = {name: str(value) for name, value in content.get("parameters", {}).items()}
-            values |= assignments(given["parameter"])
+            values |= given["parameter"]
             friction = law_described(given, given["law"] or content.get("law")).typical(**values)
             typical = tuple(name for name in friction.values if name not in values)
         found.append(Point(friction, typical, texts, tuple(defaults), file))
@@ -129,34 +129,14 @@ def law_described(given: Given | Mapping[str, Any], text: str | None) -> ss.Fric
         law = ss.laws.find(text)
     else:
         described = {name: given[name] for name in ("name", "source")}
-        return ss.FrictionLaw(text, static=static, units=units(given), **described)
-    return law if static is None else law.with_static(static, units=units(given))
-
-
-def units(given: Given | Mapping[str, Any]) -> dict[str, str]:
-    """Return the units of a formula's parameters."""
-    return assignments(given["unit"] or (), "--unit alpha=s/m")
+        return ss.FrictionLaw(text, static=static, units=given["unit"], **described)
+    return law if static is None else law.with_static(static, units=given["unit"])
 
 
 def reading_of(given: Given | Mapping[str, Any]) -> dict[str, Any]:
     """Return how options say that a file of measurements is read, as arguments of `read_measurements`."""
-    columns = assignments(given["column"], '--column mu="Friction Factor"')
     how = {name: given[name] for name in ("radius", "speeds", "leave_out", "keep_outliers")}
-    return {"columns": columns} | how
-
-
-def assignments(texts: Sequence[str], example: str = "-p alpha=3") -> dict[str, str]:
-    """Read NAME=VALUE texts; the example is for the refusal."""
-    values: dict[str, str] = {}
-    for text in texts:
-        name, equals, value = text.partition("=")
-        name = name.strip()
-        if not equals or not name:
-            raise InputError(f"{text!r} is not NAME=VALUE; write for example {example}")
-        if name in values:
-            raise InputError(f"{name} is given twice, as {values[name]} and {value}; give it once")
-        values[name] = value
-    return values
+    return {"columns": given["column"]} | how
 
 
 def criteria_of(name: str) -> list[ss.Criterion]:

@@ -26,7 +26,7 @@ from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.core.uncertain import with_error as text_with_error
 from stickslip_sym.criteria.criterion import catalogue
 from stickslip_sym.formula.closed_form import ClosedForm, derive
-from stickslip_sym.model.fitting.result import Averaged, ByLaw, Fit, Fits, band, draw_law
+from stickslip_sym.model.fitting.result import Averaged, Fit, Fits, band, draw_law
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.measured.measurements import Measurements
@@ -156,11 +156,6 @@ class Study:
         return None if self.threshold is None or self.sensitivity is None else self.threshold.budget
 
     @property
-    def by_law(self) -> tuple[ByLaw, ...]:
-        """Law, weight, threshold and its standard error, where more than one law fits the measurements."""
-        return () if self.choice is None else self.choice.rows
-
-    @property
     def needed(self) -> tuple[float, float | None] | None:
         """The pure-slip damping and its standard error: averaged over laws, if more than one fits."""
         if self.choice is not None:
@@ -214,7 +209,7 @@ class Study:
             shown = sure if min(chance, 1 - chance) < _LEAST else f"= {chance:.2g}"
             remarks.append(f"P {shown} that stick-slip is possible")
         side = "below" if c < value else "above"
-        averaged = f", averaged over {len(self.by_law)} laws" if self.by_law else ""
+        averaged = f", averaged over {len(self.choice.rows)} laws" if self.choice is not None else ""
         more = f" ({', '.join(remarks)})" if remarks else ""
         threshold = f"the threshold of {_rounded(value, error)} kg/s"
         return f"{words}: c = {_rounded(c, own)} kg/s is {far}{side} {threshold}{averaged}{more}."
@@ -237,10 +232,10 @@ class Study:
         found = [self.headline, self.verdict]
         if self.threshold is not None:
             found.append(f"The pure-slip damping is {self.threshold}.")
-        if self.by_law:
+        if self.choice is not None:
             laws = [
                 f"{_rounded(one.value, one.standard_error)} kg/s by {one.law} (weight {one.weight:.2g})"
-                for one in self.by_law
+                for one in self.choice.rows
             ]
             found.append(f"It is {', '.join(laws)}.")
         if self.nearest is not None:

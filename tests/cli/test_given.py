@@ -36,7 +36,7 @@ def test_measured_points_are_read(line, run, tmp_path):
     (tmp_path / "disc.csv").write_text(POINTS.replace("m/s", "furlong/s"))
     code, out, err = run(*line)
     assert (code, out) == (2, "")
-    assert "line 1, column 1, 'v [furlong/s]': the unit 'furlong/s' is not known" in err
+    assert "line 1, column 1, 'v [furlong/s]': 'furlong/s' is no unit known here of a speed" in err
     (tmp_path / "disc.csv").write_text(POINTS.replace("\n0,", "\n0.01,"))
     code, out, err = run(*line)
     assert (code, out) == (2, "")

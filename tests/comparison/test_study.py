@@ -187,15 +187,17 @@ def test_choice_of_law_and_extrapolation_are_said(monkeypatch):
     osc = ss.Oscillator(m=1, k=100, c=1.6, V=0.5, N=9.81)
     with pytest.warns(ss.InputWarning, match="extrapolated above 0.9 m/s"):
         study = ss.study(fits, osc, errors={"c": "1.6(1)"}, time_limit=300)
-    assert len(study.by_law) > 1
-    first, bound = study.by_law[0], fits.best.law.bind(**fits.best.uncertain)
+    assert len(study.choice.rows) > 1
+    first, bound = study.choice.rows[0], fits.best.law.bind(**fits.best.uncertain)
     alone = ss.pure_slip_damping(bound, V=0.5, N=9.81, m=1, k=100, method="simulation", rtol=1e-7)
     assert (first.weight, first.value) == (fits.best.weight, pytest.approx(alone.value, rel=2e-4))
     assert first.standard_error == pytest.approx(alone.budget.uncertainty, rel=1e-3)
     value, error = study.needed
     assert error > study.threshold.budget.uncertainty
     draws = np.random.default_rng(1)
-    weights, values, errors = np.array([(row.weight, row.value, row.standard_error) for row in study.by_law]).T
+    weights, values, errors = np.array(
+        [(row.weight, row.value, row.standard_error) for row in study.choice.rows]
+    ).T
     which = draws.choice(len(values), 200_000, p=weights / weights.sum())
     samples = draws.normal(values[which], errors[which])
     assert (value, error) == (pytest.approx(samples.mean(), rel=0.01), pytest.approx(samples.std(), rel=0.02))
@@ -204,7 +206,7 @@ def test_choice_of_law_and_extrapolation_are_said(monkeypatch):
     root = check_well_formed(page)
     shown = numbers_on(root)
     assert shown["threshold"] == [pytest.approx(value), pytest.approx(error)]
-    for i, row in enumerate(study.by_law):
+    for i, row in enumerate(study.choice.rows):
         assert shown[f"choice-{i}"] == pytest.approx([row.weight, row.value, row.standard_error])
     said = "extrapolated above 0.9 m/s: thresholds take friction from 0 to 2 V = 1 m/s"
     assert study.warnings[0].startswith(said)
