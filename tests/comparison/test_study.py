@@ -174,7 +174,8 @@ def test_a_fit_brings_its_covariance_and_its_points(monkeypatch):
     assert (study.fit, study.measured) == (fits.best, fits.measured)
     *pair, correlation = study.threshold.budget.correlated[0]
     i, j = (list(fits.best.values).index(name) for name in pair)
-    assert correlation == pytest.approx(fits.best.correlation[i, j])
+    covariance = fits.best.covariance
+    assert correlation == pytest.approx(covariance[i, j] / (covariance[i, i] * covariance[j, j]) ** 0.5)
     page = drawn_without(study, monkeypatch)
     assert "It was fitted to 60 rows from 0.01 to 1.2 m/s" in page
     assert "Correlated are " in page

@@ -141,7 +141,7 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
     if len(measured.speeds) < k or count < k + 2:
         rows = f"{count} rows at {len(measured.speeds)} speeds"
         raise InputError(f"it has {k} free parameter{'s' * (k > 1)}, and {rows} are too few")
-    best = _best(law, problem, measured)
+    best = _best(problem)
     if best is None:
         raise InputError(
             "no start converged: its values run away without an end; fix one of them, or take a simpler law"
@@ -175,29 +175,21 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
         chi_squared=chi_squared,
         dof=dof,
         inflation=inflation,
-        warnings=(
-            *_loose(problem, p, covariance),
-            *_noise(correlation, count),
-            *_scatter(chi_squared, measured, k, inflation),
-        ),
+        warnings=tuple(_warnings(problem, p, covariance, correlation, chi_squared)),
     )
 
 
-def _best(law: FrictionLaw, problem: Problem, measured: Measurements) -> Minimum | None:
-    """Return the least of the minima that several starts lead to."""
-    coarse = problem
+def _best(problem: Problem) -> Minimum | None:
+    """Return the least of the minima that several starts lead to; of many rows, those of means of bins."""
+    measured, coarse = problem.measured, problem
     if len(measured) > _MANY:
         means = measured.binned(_BINS)  # whose own scatter is no sigma
-        coarse = Problem(law, means if measured.sigma is not None else replace(means, sigma=None))
+        coarse = Problem(problem.law, means if measured.sigma is not None else replace(means, sigma=None))
     best: Minimum | None = None
-    for start in coarse.starts(_STARTS):
-        minimum = coarse.minimum(start)
-        if minimum is None:
-            continue
+    for minimum in filter(None, map(coarse.minimum, coarse.starts(_STARTS))):
         if best is not None and abs(minimum.chi_squared - best.chi_squared) <= _SAME * best.chi_squared:
             break
-        if best is None or minimum.chi_squared < best.chi_squared:
-            best = minimum
+        best = min(best or minimum, minimum, key=lambda one: one.chi_squared)
     return best if coarse is problem or best is None else problem.minimum(best.p)
 
 
@@ -254,9 +246,11 @@ def _undetermined(names: tuple[str, ...], which: IntArray, strength: FloatArray)
     return InputError(f"these measurements do not tell {mixed} apart; fix one: law.bind({weakest}=...)")
 
 
-def _loose(problem: Problem, p: FloatArray, covariance: FloatArray) -> Iterator[str]:
-    """Yield a sentence for each parameter that the measurements hardly determine, with what to fix."""
-    names, errors = problem.names, np.sqrt(np.diag(covariance))
+def _warnings(
+    problem: Problem, p: FloatArray, covariance: FloatArray, correlation: float, chi_squared: float
+) -> Iterator[str]:
+    """Yield what the measurements hardly determine, and what their residuals contradict, with what to do."""
+    names, errors, measured = problem.names, np.sqrt(np.diag(covariance)), problem.measured
     for i, name in enumerate(names):
         if problem.positive[i] and problem.linear[i] and p[i] == 0:
             yield (
@@ -269,47 +263,39 @@ def _loose(problem: Problem, p: FloatArray, covariance: FloatArray) -> Iterator[
                 f"determine it; fix it, law.bind({name}=...), or take a law without it"
             )
     for i, j in combinations(np.flatnonzero(errors).tolist(), 2):
-        correlation = covariance[i, j] / errors[i] / errors[j]
-        if abs(correlation) > _ALIKE:
+        if abs(alike := covariance[i, j] / errors[i] / errors[j]) > _ALIKE:
             yield (
-                f"{names[i]} and {names[j]} are hardly distinguished, correlation {correlation:.4f}; fix one: "
+                f"{names[i]} and {names[j]} are hardly distinguished, correlation {alike:.4f}; fix one: "
                 f"law.bind({names[j]}=...)"
             )
-
-
-def _noise(correlation: float, count: int) -> Iterator[str]:
+    count, dof, inflation = len(measured), len(measured) - len(names), (1 + correlation) / (1 - correlation)
     if correlation:
-        effective = count * (1 - correlation) / (1 + correlation)
         yield (
             f"residuals of successive rows of the file are correlated, {correlation:.2f}: {count} rows count as "
-            f"{effective:.0f}, and standard errors are {np.sqrt(count / effective):.2g} times as wide; noise is "
+            f"{count / inflation:.0f}, and standard errors are {np.sqrt(inflation):.2g} times as wide; noise is "
             "slow, or the law does not describe the measurements"
         )
-
-
-def _scatter(chi_squared: float, measured: Measurements, k: int, inflation: float) -> Iterator[str]:
-    """Yield whether residuals are too large or too small for sigma, or for the scatter of repeated speeds."""
-    dof, known = len(measured) - k, measured.sigma is not None
-    size = f"{np.sqrt(chi_squared / dof):.2g}{' times sigma' if known else ''}"
+    known = measured.sigma is not None
+    size = f"residuals are {np.sqrt(chi_squared / dof):.2g}{' times sigma' if known else ''}"
     if known and chdtrc(dof, chi_squared / inflation) <= _UNLIKELY:
         yield (
-            f"residuals are {size}: the law does not describe the measurements, or sigma is too small; the "
-            "standard errors rest on sigma"
+            f"{size}: the law does not describe the measurements, or sigma is too small; the standard errors rest "
+            "on sigma"
         )
     elif known and chdtr(dof, chi_squared) <= _UNLIKELY:
         means = " and the file counts them," if measured.counts is not None else ""
         yield (
-            f"residuals are {size}: sigma is too large; if each mu is the mean of n values,{means} and sigma is "
-            "the standard deviation of one value, sigma/sqrt(n) belongs in its place; standard errors rest on it"
+            f"{size}: sigma is too large; if each mu is the mean of n values,{means} and sigma is the standard "
+            "deviation of one value, sigma/sqrt(n) belongs in its place; standard errors rest on it"
         )
     means_of_speeds = measured.averaged()
     _, index = np.unique(measured.v, return_inverse=True)
     scatter = float(np.sum((measured.weights * (measured.mu - means_of_speeds.mu[index])) ** 2))
-    repeats, shapes = len(measured) - len(means_of_speeds), len(means_of_speeds) - k
+    repeats, shapes = count - len(means_of_speeds), len(means_of_speeds) - len(names)
     if repeats > 0 and shapes > 0 and scatter > 0:
         ratio = (chi_squared - scatter) / shapes / (scatter / repeats)
         if fdtrc(shapes, repeats, ratio / inflation) <= _UNLIKELY:
             yield (
-                f"the law does not describe the measurements: residuals are {size}, and repeats at one speed "
-                f"scatter by {np.sqrt(scatter / repeats):.2g}; take another law"
+                f"the law does not describe the measurements: {size}, and repeats at one speed scatter by "
+                f"{np.sqrt(scatter / repeats):.2g}; take another law"
             )

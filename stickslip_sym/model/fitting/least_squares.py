@@ -10,6 +10,7 @@ from scipy.optimize import least_squares, lsq_linear
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.model.at_rest import reals
 from stickslip_sym.model.expression.units import parse_unit
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
@@ -39,6 +40,7 @@ class Problem:
     """The least squares of a law and measurements: residuals are divided by sigma where it is known."""
 
     def __init__(self, law: FrictionLaw, measured: Measurements) -> None:
+        self.law, self.measured = law, measured
         used = {name: p for name, p in law.parameters.items() if p.symbol in law.expr.free_symbols}
         self.names = tuple(name for name in used if name not in law.values)
         known = tuple(name for name in used if name in law.values)
@@ -55,15 +57,11 @@ class Problem:
         self.positive = np.array([used[name].positive for name in self.names], dtype=bool)
         self.linear = np.array([symbol in linear for symbol in free], dtype=bool)
         self._units = [used[name].unit for name in self.names]
-        # Their bound 0 is no law's value: their logarithms are varied.
-        self._logarithmic = self.positive & ~self.linear
         self._v, self._weights = np.maximum(measured.v, _AT_REST), measured.weights
-        self._measured = self._weights * measured.mu
-        self._outside = _OUTSIDE * float(np.max(np.abs(self._measured))) + 1.0
 
     def residuals(self, p: FloatArray) -> FloatArray:
-        """Return the measured less the fitted coefficients, times the weights; not finite where mu is not real."""
-        return np.asarray(self._measured - self._weighted(self._value, p)[0])
+        """Return the measured less the fitted coefficients, times the weights; NaN where mu is not real."""
+        return np.asarray(self._weights * self.measured.mu - self._weighted(self._value, p)[0])
 
     def jacobian(self, p: FloatArray) -> FloatArray:
         """Return the derivatives of the fitted coefficients to the parameters, times the weights: shape (n, k)."""
@@ -71,31 +69,31 @@ class Problem:
 
     def _weighted(self, function: Callable[..., Any], p: FloatArray) -> FloatArray:
         with np.errstate(all="ignore"):
-            values = [np.broadcast_to(one, self._v.shape) for one in function(self._v, *p, *self._known)]
-            return np.array([self._weights * np.where(np.imag(one) == 0, np.real(one), np.nan) for one in values])
+            values = function(self._v, *p, *self._known)
+            return np.array([self._weights * reals(np.broadcast_to(one, self._v.shape)) for one in values])
 
     def minimum(self, start: FloatArray) -> Minimum | None:
         """Return the minimum that a start leads to; None if it does not converge."""
-        lowest = np.where(self._logarithmic, -_LARGEST_LOGARITHM, np.where(self.positive, 0.0, -np.inf))
-        highest = np.where(self._logarithmic, _LARGEST_LOGARITHM, np.inf)
-        begin = np.where(self._logarithmic, np.log(np.maximum(start, np.exp(-_LARGEST_LOGARITHM))), start)
+        logarithmic = self.positive & ~self.linear  # their bound 0 is no law's value: their logarithms are varied
+        highest = np.where(logarithmic, _LARGEST_LOGARITHM, np.inf)
+        lowest = np.where(self.positive & self.linear, 0.0, -highest)
+        outside = _OUTSIDE * float(np.max(np.abs(self._weights * self.measured.mu))) + 1.0
 
         def values(x: FloatArray) -> FloatArray:
-            return np.where(self._logarithmic, np.exp(np.where(self._logarithmic, x, 0.0)), x)
+            return np.where(logarithmic, np.exp(np.where(logarithmic, x, 0.0)), x)
 
         def residuals(x: FloatArray) -> FloatArray:
-            return np.nan_to_num(
-                np.clip(-self.residuals(values(x)), -self._outside, self._outside), nan=self._outside
-            )
+            return np.nan_to_num(np.clip(-self.residuals(values(x)), -outside, outside), nan=outside)
 
         def slopes(x: FloatArray) -> FloatArray:
             p = values(x)
             with np.errstate(all="ignore"):
-                raw = self.jacobian(p) * np.where(self._logarithmic, p, 1.0)
+                raw = self.jacobian(p) * np.where(logarithmic, p, 1.0)
             return np.where(np.isfinite(raw), np.clip(raw, -_STEEPEST, _STEEPEST), 0.0)
 
         p = start
         if len(start):
+            begin = np.where(logarithmic, np.log(np.maximum(start, np.exp(-_LARGEST_LOGARITHM))), start)
             result = least_squares(
                 residuals, np.clip(begin, lowest, highest), slopes,  # rounding may leave a start just outside
                 bounds=(lowest, highest), method="dogbox",

@@ -160,12 +160,6 @@ class Fit(_Report):
         return dict(zip(self.values, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
 
     @property
-    def correlation(self) -> FloatArray:
-        """Correlations of the fitted parameters, of shape (k, k)."""
-        errors = np.sqrt(np.diag(self.covariance))
-        return np.asarray(self.covariance / np.outer(errors, errors))
-
-    @property
     def sigma(self) -> float:
         """Residual standard deviation of mu: the root of sum (mu_i - mu(v_i))^2 / (n - k)."""
         return float(np.sqrt(np.sum(self.residuals**2) / (len(self.measured) - len(self.values))))
