@@ -58,11 +58,6 @@ def as_law(law: FrictionLaw | str | float | Expr) -> FrictionLaw:
     """Return the friction law that is meant: a law itself, the name of one of the catalogue, or a formula.
 
     Text that is one name is that of a law of the catalogue, unless it begins with mu: a constant coefficient.
-
-    Examples
-    --------
-    >>> as_law("exponential").text == as_law("mu_m + (mu_s - mu_m)*exp(-alpha*v)").text
-    True
     """
     if isinstance(law, FrictionLaw):
         return law

@@ -32,16 +32,10 @@ LARGEST = sp.Integer(10) ** 20  # m/s; the smallest speed above 0 is its inverse
 
 @dataclass(frozen=True)
 class SampledCurve:
-    """The piecewise cubic through measured points.
+    """The piecewise cubic through measured points: piece i is sum_j cubics[i][j] (v - places[i])^j.
 
-    Attributes
-    ----------
-    places : tuple of Rational
-        Where the pieces begin, ascending from 0, in m/s.
-    cubics : tuple of tuples of Rational
-        Piece i is sum_j cubics[i][j] (v - places[i])^j.
-    end : Rational or None
-        The slip speed up to which the curve holds; None if it holds its last value for ever.
+    The pieces begin at `places`, ascending from 0, in m/s; the curve holds up to the slip speed `end`, for ever if
+    that is None.
     """
 
     places: tuple[Rational, ...]

@@ -15,9 +15,9 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
+from stickslip_sym.model.expression.pieces import RELATIONS, place_of
 
 _MOST_PIECES = 8  # of a function in pieces that are simplified; that of a table of measurements has up to 60
-_RELATIONS = (sp.StrictLessThan, sp.StrictGreaterThan)
 
 
 @dataclass(frozen=True)
@@ -68,13 +68,7 @@ def terms_of(mu: Expr) -> tuple[Term, ...]:
     """Split a coefficient mu(v) into terms; their sum is mu(v).
 
     A part without v is a term whose profile is 1. A polynomial with one scale is one term, which rounds as one;
-    any other is split by powers.
-
-    Examples
-    --------
-    >>> from stickslip_sym import laws
-    >>> [(term.amplitude, term.scale, term.profile) for term in terms_of(laws.exponential.expr)]
-    [(mu_m, 1, 1), (-mu_m + mu_s, 1/alpha, exp(-v))]
+    any other is split by powers. Of the exponential law the terms are mu_m and (mu_s - mu_m) exp(-v/(1/alpha)).
     """
     v = symbols.v
     polynomial, terms = sp.Integer(0), []
@@ -137,13 +131,10 @@ def _at_scale(rest: Expr, scale: Expr) -> Expr:
     if scale == 1:
         return rest
     relative = sp.Dummy(nonnegative=True)  # v/scale, until it is called v
-
-    def compared(relation: Expr) -> Expr:
-        below = relation.lts == symbols.v  # v < place; SymPy may have turned it round
-        place = sp.powsimp((relation.gts if below else relation.lts) / scale)
-        return relative < place if below else place < relative
-
-    relations = {node: compared(node) for node in rest.atoms(*_RELATIONS) if node.has(symbols.v)}
+    relations = {
+        node: relative < sp.powsimp(place_of(node) / scale)
+        for node in rest.atoms(*RELATIONS) if node.has(symbols.v)
+    }  # fmt: skip
     return rest.xreplace(relations).subs(symbols.v, scale * relative).xreplace({relative: symbols.v})
 
 
@@ -302,8 +293,8 @@ def speed_scales(expr: Expr, v: Expr) -> list[Expr]:
 
 
 def _scales_of(node: Expr, v: Expr) -> Iterator[Expr]:
-    if isinstance(node, _RELATIONS):
-        yield node.gts if node.lts == v else node.lts
+    if isinstance(node, RELATIONS):
+        yield place_of(node)
     elif node.is_Pow and not node.exp.is_Integer and node.base.is_Mul:
         constant, rest = node.base.as_independent(v, as_Add=False)
         if rest == v:

@@ -63,15 +63,14 @@ def _check_name(name: str) -> None:
     require_type("the name of a parameter", name, str, "text")
     if not NAME.fullmatch(name) or keyword.iskeyword(name):
         raise InputError(f"{name[:45]!r} is not a usable parameter name: a letter, then letters, digits or '_'")
-    if name in symbols.RESERVED:
-        meaning = symbols.QUANTITIES[name].meaning
-        raise InputError(
-            f"{name!r} is taken: it is the {meaning} everywhere in this package; rename the parameter"
-            + (", or write v for the slip speed" if name == "V" else "")
-        )
-    if name in _ARGUMENTS:
-        raise InputError(
-            f"{name!r} is an argument of functions that take parameters by name; rename the parameter"
-        )
-    if name in taken():
-        raise InputError(f"{name!r} is the name of a function or a constant; rename the parameter")
+    used = {
+        **dict.fromkeys(taken(), "a function or a constant"),
+        **dict.fromkeys(_ARGUMENTS, "an argument of functions that take parameters by name"),
+        **{
+            name: f"the {quantity.meaning} everywhere in this package"
+            for name, quantity in symbols.QUANTITIES.items()
+        },
+    }
+    if name in used:
+        advice = ", or write v for the slip speed" if name == "V" else ""
+        raise InputError(f"{name!r} is taken: it is {used[name]}; rename the parameter{advice}")

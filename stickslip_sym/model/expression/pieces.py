@@ -20,6 +20,7 @@ from stickslip_sym.core.functions import power, row
 Cases: TypeAlias = list[tuple[Expr, Expr | None]]
 """Smooth pieces of an expression in order, and the place where each ends; None is beyond every place."""
 
+RELATIONS = (sp.StrictLessThan, sp.StrictGreaterThan)
 _MOST_UNORDERED = 6  # parameters in Max and Min whose order is unknown: SymPy compares all pairs, at length
 _MOST_PIECES = 64
 
@@ -32,7 +33,7 @@ def kinked(expr: Expr) -> list[Expr]:
     return [node for node in sp.ordered(expr.atoms(sp.Piecewise)) if node.has(symbols.v)]
 
 
-def _place(relation: Expr) -> Expr:
+def place_of(relation: Expr) -> Expr:
     """Return the place of v < place, which SymPy may turn round into place > v or -place < -v."""
     return relation.gts if relation.lts == symbols.v else -relation.lts
 
@@ -40,8 +41,7 @@ def _place(relation: Expr) -> Expr:
 def _end(holds: Expr) -> Expr | None:
     """Return the place of a condition v < place; None where it is always true."""
     # SymPy joins the conditions of pieces that became equal by Or.
-    relations = holds.atoms(sp.StrictLessThan, sp.StrictGreaterThan)
-    return None if holds == sp.true else sp.Max(*map(_place, relations))
+    return None if holds == sp.true else sp.Max(*map(place_of, holds.atoms(*RELATIONS)))
 
 
 def _ends(node: Expr) -> Cases:
@@ -112,10 +112,7 @@ def places(expr: Expr) -> list[Expr]:
 def kinks_at(expr: Expr, point: Mapping[Expr, Expr], what: str = "mu") -> list[Expr]:
     """Return the slip speeds v > 0 at which an expression or its slope may jump, exact and ascending.
 
-    Raises
-    ------
-    InputError
-        For a place that is not real at the values of the parameters.
+    A place that is not real at the values of the parameters is refused.
     """
     speeds = {number_at(place, point) for place in places(expr)}
     for speed in speeds:

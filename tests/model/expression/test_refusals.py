@@ -251,7 +251,7 @@ def test_reference_speeds_stand_beside_v():
 
 @pytest.mark.parametrize("name", ["V", "N", "m", "k", "c", "x", "t", "self", "digits", "on_invalid"])
 def test_names_of_quantities_and_arguments_are_taken(name):
-    with pytest.raises(ss.InputError, match=f"'{name}' is (taken: it is the|an argument of functions)"):
+    with pytest.raises(ss.InputError, match=f"'{name}' is (taken: it is (the|an argument of functions))"):
         ss.FrictionLaw(f"1 + {name}*v")
     assert ss.FrictionLaw(f"1 + {name}_1*v").missing == [f"{name}_1"]
 
