@@ -30,7 +30,7 @@ from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
 from stickslip_sym.motion.regimes.regime import regime
 from stickslip_sym.motion.regimes.rounds import friction_far_out, rounds
-from stickslip_sym.motion.roots import closest, orbit_signs
+from stickslip_sym.motion.roots import orbit_signs
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.thresholds.averages import slope_mean
 
@@ -43,7 +43,6 @@ CURVES = {
 """The thresholds of an operating point: their names in legends, and how they are drawn."""
 _KNOWN = 1e-8  # of the largest threshold, to which all of them are known
 _UNSURE = 1e-9  # gap of which they may not tell the sign
-_FOLD = 1e-7  # amplitude to which a fold is found; the damping there is known to its square
 _FINER = 1e-2  # tolerance of the motions of single cells over that of thresholds
 
 
@@ -54,7 +53,7 @@ class Reason(Enum):
     BELOW = "below every threshold and fold"
     BETWEEN = "between thresholds or folds: by the damping that slip orbits need"
     SIMULATED = "simulated"
-    TOLERANCE = "within tolerance of a threshold or a fold"
+    TOLERANCE = "within tolerance of a threshold"
     FAILED = "failed"
     TIME = LATE
 
@@ -101,7 +100,7 @@ def decide(law: FrictionLaw, rtol: float, points: Mapping[str, FloatArray]) -> C
     """Return the motion from x = 0, x' = V, and every attractor, for each of some cells.
 
     - `law`: with all parameters bound.
-    - `rtol`: a damping that is closer to a threshold or a fold, relative to the largest of them, is not decided.
+    - `rtol`: a damping that is closer to a threshold, relative to the largest of them, is not decided.
     - `points`: V, N, m, k, c and parameters of the law in place of those it has, an entry for each cell.
     """
     found = Cells.unknown(len(points["c"]))
@@ -170,7 +169,7 @@ class _Decider:
         returns, rest = zeta < exact, zeta > equilibrium
         held, escapes, known = self._after_return(returns)
         known &= np.isfinite(exact + equilibrium)
-        cycle, stable = self._slip_cycles(near, known, margin)
+        cycle, stable = self._slip_cycles(known)
         signs = Signs(rest=rest, falls=stable, returns=returns & ~escapes, held=held)
         cells = Cells.unknown(zeta.size)
         motion, reason = cells.motion, cells.reason
@@ -188,7 +187,7 @@ class _Decider:
             curves["least_squares"] = self.N * slope_mean(self.law, least_squares, np.array([self.system.V]))
         cells.thresholds[:] = list(curves.values())
         for i in np.flatnonzero(near).tolist():
-            off = f"within {margin[i] * self.ratio[i]:.1e} kg/s of a threshold or a fold"
+            off = f"within {margin[i] * self.ratio[i]:.1e} kg/s of a threshold"
             cells.notes[i] = f"c = {self.points['c'][i]:.12g} is {off}"
         for i in np.flatnonzero(~(near | known)).tolist():
             self._follow(cells, i)
@@ -220,27 +219,15 @@ class _Decider:
             known[outside] = ends(outside, begin) == 0
         return held, escapes, known
 
-    def _slip_cycles(self, near: BoolArray, known: BoolArray, margin: FloatArray) -> tuple[BoolArray, BoolArray]:
-        """Tell where there is a cycle in pure slip, and a stable one.
-
-        Where a fold is as near as the margin this is noted in `near`, and where it is not known in `known`.
-        """
+    def _slip_cycles(self, known: BoolArray) -> tuple[BoolArray, BoolArray]:
+        """Tell where there is a cycle in pure slip, and a stable one; beside a fold `known` becomes false."""
         cycle, stable, grows, beside_folds, lost = orbit_signs(self._gaps, self.zeta < self.equilibrium)
         known &= ~lost
         if self.table.static == self.table.onset:
             # A cycle may touch the belt's speed but for less than what is looked at.
             last = grows != (self.zeta < self.exact)
             cycle, stable = cycle | last, stable | last & grows
-        for i, low, high in beside_folds:
-            if any(self.system.rise.jumps):
-                known[i] = False
-            elif known[i] and not near[i]:
-                beyond, off = self._beside_fold(i, low, high)
-                # Where d passes c twice one of the two cycles is stable; else the next range has the other.
-                cycle[i] |= beyond
-                stable[i] |= beyond
-                near[i] |= off <= margin[i]
-                known[i] = not math.isnan(off)
+        known[[i for i, _, _ in beside_folds]] = False
         return cycle, stable
 
     def _gaps(self, cell: IntArray, A: FloatArray) -> FloatArray:
@@ -248,16 +235,6 @@ class _Decider:
         found = self._orbits(_gaps_all, 1, cell, A, self.zeta[cell])[:, 0]
         unsure = np.fmin(_UNSURE, 2 * math.pi * self.error[cell])  # of weak friction all gaps are small
         return np.where(np.abs(found) < unsure, math.nan, np.clip(found, -1.0, 1.0))
-
-    def _beside_fold(self, i: int, low: float, high: float) -> tuple[bool, float]:
-        """Tell whether the needed damping passes that of a cell between two amplitudes, and how near it comes."""
-
-        def excess(A: float) -> float:
-            return float(self._needed(np.array([i]), np.array([A]))[0, 0] - self.zeta[i])
-
-        sign = 1.0 if excess(low) > 0 else -1.0
-        _, beyond = closest(excess, low, high, sign, _FOLD)
-        return sign * beyond < 0, abs(beyond)
 
     def _follow(self, cells: Cells, i: int) -> None:
         """Decide one cell by following motions."""

@@ -17,9 +17,9 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from stickslip_sym.core.aliases import BoolArray, ComplexArray, FloatArray, IntArray
+from stickslip_sym.core.aliases import BoolArray, ComplexArray, FloatArray
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.criteria.criterion import Criterion, harmonic, least_squares
+from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.model.at_rest import reals
 from stickslip_sym.model.law import FrictionLaw
 
@@ -75,7 +75,6 @@ class Expansion:
     - `harmonic`, `second`, `slowing`: in s/m, (s/m)^3 and (s/m)^2, shape (n,).
     - `cosines`, `sines`: shape (n, H), column j belongs to the harmonic j.
     - `largest`: the largest slope on the orbit, in s/m, shape (n,).
-    - `phases`: of the grid in half a period, shape (n,).
     - `tail`: size of the highest coefficients of friction, relative, shape (n,).
     """
 
@@ -85,7 +84,6 @@ class Expansion:
     cosines: FloatArray
     sines: FloatArray
     largest: FloatArray
-    phases: IntArray
     tail: FloatArray
 
     def refined(self, rows: BoolArray, finer: "Expansion") -> "Expansion":
@@ -137,7 +135,7 @@ def expansion_changes(
     They are of the first and of the third degree in the slopes, so central differences over one step and two are
     exact.
     """
-    slope, change, grid = slopes(law), slopes(law.partial(name)), int(weak.phases.max(initial=_SMALLEST))
+    slope, change, grid = slopes(law), slopes(law.partial(name)), weak.sines.shape[1]
     height = np.ones_like(V)
     by_itself = _expand(change, V, height, grid)
     step = np.where(by_itself.largest > 0, weak.largest / by_itself.largest, 1.0)
@@ -174,7 +172,7 @@ def _expand(slope: Slope, V: FloatArray, A: FloatArray, size: int) -> Expansion:
     high, largest = np.abs(feed[:, size - size // 4 :]).max(axis=1), np.abs(g).max(axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
         tail = np.nan_to_num(np.where(high == 0, 0.0, high / largest), nan=np.inf, posinf=np.inf)
-    return Expansion(harmonic, second, f[:, 1] / (2 * A), a, b, largest, np.full(len(A), size), tail)
+    return Expansion(harmonic, second, f[:, 1] / (2 * A), a, b, largest, tail)
 
 
 def averages(
@@ -199,10 +197,6 @@ def _shares(criterion: Criterion) -> FloatArray:
     """Return what each node contributes to an average."""
     theta, weight = _graded()
     sine: FloatArray = np.sin(theta)
-    if criterion == harmonic:
-        return weight * (2 / np.pi) * sine**2
-    if criterion == least_squares:  # 1 - s^4 = (1 - s^2)(1 + s^2)
-        return weight * 0.625 * sine**3 * (2 - sine**2)
     p, q = sp.symbols("p q", positive=True)
     value = function_of([p, q], criterion.from_ends(p, q), "numpy")
     shares: FloatArray = weight * value(2 * np.sin(theta / 2) ** 2, 2 * np.cos(theta / 2) ** 2) * sine

@@ -28,7 +28,7 @@ from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.motion.compiled import compilable
 from stickslip_sym.motion.slip import Dimensionless, Wedge
-from stickslip_sym.motion.steps import TIGHT, End, follow, interval, rise_at, slope_at
+from stickslip_sym.motion.steps import TIGHT, End, follow, interval, rise_at
 
 SIGNS = 1e-11
 """The relative tolerance of the steps along which the sign of a gap is decided."""
@@ -49,14 +49,13 @@ _MOST_GAPS = 100  # dampings that are tried
 _PHASES = 64  # for the first guess
 _FALL = -2 * math.pi  # of the gap with zeta, where friction is weak
 _WILD = 1e12  # change of friction along an orbit, over its own forces, that is no use to follow
-_STEEPEST = -1e3  # fall of the gap, beyond which a wedge grew with the errors of its steps
 _FARTHEST = 1e6  # damping ratio over 1 + |eta|, and over the largest rise of friction, beyond which there is none
 _PATIENT = 100.0  # times as long as the displacement takes at the belt's speed, after which a half creeps to rest
-_FEW, _STEPS = 6_000, 60_000  # steps of a half: of loose ones, and of tight ones
+_MOST_STEPS = 60_000  # of a half
 _STEPPED = 3.0  # tolerances of what looser ones have in common: steps are never longer
 _TABULATED = 1e-13  # relative error of a rise in its table
 _FLAT = 1e-15  # of mu, below which a rise is none
-_WIDER, _WIDENED = 10.0, 10  # steps away from a jump of the gap, at which looser steps are asked for its sign
+_WIDENED = 10  # times that a distance from a jump of the gap becomes ten times as wide
 _CLOSE = 4e-16  # relative width of a bracket that is not halved again
 
 
@@ -98,20 +97,32 @@ def halves(
     graze = 2.0 * zeta * w - push + eta * rise_at((pieces, 0, whole, 0), w)
     q = 0.0 if w == 0.0 else graze
     at_rest = eta * rise_at((pieces, 0, whole, 0), 1.0) if rise[1][len(rise[1]) - 1] > 1.0 else 0.0
-    most = _FEW if rtol >= _STIFF else _STEPS
     horizon = _PATIENT * (1.0 + 2.0 * abs(zeta) + abs(push) + abs(at_rest))
     # From here on q is the displacement from rest: near w = 1 its errors are to be small beside that.
     rest = 2.0 * zeta - push + at_rest
     push, q, graze = push + rest, q - rest, graze - rest
     wedge = (wanted, D, source)
     end, tau, q_f, w_f, r_f, D_f, _, _, _ = follow(
-        rise, eta, zeta, push, 1.0, q, w, horizon, rtol, End.MAXIMUM.value, math.inf, most, wedge, False
+        rise, eta, zeta, push, 1.0, q, w, horizon, rtol, End.MAXIMUM.value, math.inf, _MOST_STEPS, wedge, False
     )
     highest = w_f
     if end == End.MAXIMUM:
         wedge_there = (wanted, D_f, source)
         end, more, q_f, w_f, r_f, D_f, _, _, _ = follow(
-            rise, eta, zeta, push, 1.0, q_f, w_f, horizon, rtol, End.LEVEL.value, 1.0, most, wedge_there, False
+            rise,
+            eta,
+            zeta,
+            push,
+            1.0,
+            q_f,
+            w_f,
+            horizon,
+            rtol,
+            End.LEVEL.value,
+            1.0,
+            _MOST_STEPS,
+            wedge_there,
+            False,
         )
         tau += more
     stopped = (End.STEPS, End.FAILED, End.LATE)
@@ -120,7 +131,7 @@ def halves(
     constant, linear, factor, own, shifts = source
     wedge = (wanted, D, (-constant, -linear, -factor, own, shifts))
     end, tau_b, _, _, r_b, D_b, _, _, _ = follow(
-        rise, -eta, -zeta, -push, 1.0, -graze, w, horizon, rtol, End.LEVEL.value, 1.0, most, wedge, False
+        rise, -eta, -zeta, -push, 1.0, -graze, w, horizon, rtol, End.LEVEL.value, 1.0, _MOST_STEPS, wedge, False
     )
     back = 1 if end == End.LEVEL else -2 if end in stopped else 0
     r_b = -r_b
@@ -182,11 +193,6 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
         return Found.ROOT, 0.0, 0.0, low, high, slope
     if not largest < _WILD:
         return Found.LOST, zeta, math.inf, low, high, slope
-    if abs(eta) > _STRONG and rise[1][len(rise[1]) - 1] > 1.0:
-        # As friction grows the threshold tends to where the fold of the slow motion comes to rest.
-        falling = -0.5 * eta * slope_at((rise[0], 0, len(rise[0]) - 1, 0), 1.0)
-        if falling > 0.0:
-            zeta, reach = falling, 1e-3 * falling
     rtol = _STIFF if abs(eta) > _STRONG else _COARSE
     before, gap_before, beyond = math.nan, math.nan, False
     for _ in range(_MOST_GAPS):
@@ -195,7 +201,7 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
         if is_late():
             return Found.LATE, zeta, math.inf, low, high, slope
         beyond = beyond or outside
-        if _STEEPEST < by < 0.0 and coarse:
+        if -math.inf < by < 0.0 and coarse:
             slope = by
         elif math.isfinite(gap_before) and math.isfinite(value) and (value - gap_before) * (zeta - before) < 0.0:
             slope = (value - gap_before) / (zeta - before)
@@ -279,7 +285,7 @@ def _spread(
         above, _, _, _ = gap(rise, eta, high + step, push, A, rtol, False, 0.0, by_zeta)
         if below > 0.0 >= above:
             return high - low + step
-        step *= _WIDER
+        step *= 10.0
     return math.inf
 
 
@@ -316,17 +322,13 @@ def needed_ratio(
         return zeta, error, slope
     if how == Found.BEYOND:
         raise system.unmeasured(system.w_max)
+    place = f"at eta = {eta:g} and V = {system.V:g} m/s"
     if how == Found.NONE:
-        raise NoThreshold(
-            "the slip from P returns to the belt's speed for every damping, or for none, "
-            f"at eta = {eta:g} and V = {system.V:g} m/s"
-        )
-    if not math.isfinite(high - low):
-        raise NotConverged(
-            f"the slip from P cannot be integrated at eta = {eta:g} and V = {system.V:g} m/s: friction is too "
-            "strong, or its law too steep, for the bound on the work"
-        )
-    raise NotConverged(f"the damping ratio lies between {low:.10g} and {high:.10g}, and no closer was found")
+        raise NoThreshold(f"the slip from P returns to the belt's speed for every damping, or for none, {place}")
+    raise NotConverged(
+        f"the slip from P cannot be integrated {place}: friction is too strong, or its law too steep, for the "
+        f"bound on the work; the damping ratio lies between {low:.10g} and {high:.10g}"
+    )
 
 
 def by_zeta(system: Dimensionless) -> Wedge:

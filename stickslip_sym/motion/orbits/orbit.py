@@ -30,7 +30,6 @@ _CLOSE = 1e-8  # a step of Newton's method after which the next would be roundin
 _ROUNDING = 4e-15  # of d, as a part of the largest slope
 _RUNAWAY = 1e6  # a coefficient of z
 _MOST_WORK = 3e9  # cubes of grids, summed over Newton steps
-_TIGHT = 1e-13  # relative error of d where it is differentiated
 _NEAREST = 1e-12  # slip speed over belt speed that an iterate may come down to; it may overshoot the belt
 
 
@@ -98,30 +97,6 @@ def _measured(law: FrictionLaw, orbit: "_Orbit", tail: float, everything: float)
     error = 0.0 if scale == 0 else tail + unseen + _ROUNDING * orbit.size / _GRIDS[0]
     d = orbit.d if np.isfinite(error) else np.nan
     return d, error, scale, float(g.mean()) - orbit.d, float(orbit.velocity.min())
-
-
-def derivatives(law: FrictionLaw, V: FloatArray, strength: FloatArray) -> dict[str, FloatArray]:
-    """Return d of grazing orbits, and its derivatives, from one linear solve an orbit; NaN where there is none.
-
-    With F(u, d; p) = 0 the balance of the harmonics, and l the vector with l^T F_u = 0 and l^T F_d = 1,
-    dd/dp = -l^T F_p. Along the orbit F_p is the spectrum of -(dg/dp) dz/dtheta, over the squares of the orders.
-
-    By name: "d"; "V" and "strength", derivatives by the logarithms of these; and each parameter of the law.
-    """
-    changes = {name: slopes(law.partial(name)) for name in ("V", *law.parameters)} | {"strength": slopes(law)}
-    found = {name: np.full(len(V), np.nan) for name in ("d", *changes)}
-    with np.errstate(all="ignore"):
-        for row in range(len(V)):
-            orbit, tail = _solved(law, float(V[row]), float(strength[row]), 1.0, _TIGHT, np.inf)
-            if not np.isfinite(tail):
-                continue
-            matrix, residual, _ = orbit.equations()
-            left = np.linalg.solve(matrix.T, np.eye(len(residual))[-2])
-            rate, squares = orbit.rate, np.arange(1, len(orbit.z)) ** 2
-            found["d"][row] = orbit.d
-            for name, slope in changes.items():
-                found[name][row] = left @ _parts(coefficients(orbit.g(slope) * rate)[1:] / squares)
-    return found
 
 
 def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0, *, jump: bool = True) -> str | None:

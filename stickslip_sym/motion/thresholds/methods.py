@@ -23,7 +23,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.compiled import is_compiling
 from stickslip_sym.motion.orbits.expansion import averages, expand, expansion_changes, of_layer
 from stickslip_sym.motion.orbits.needed import ROUNDING
-from stickslip_sym.motion.orbits.orbit import derivatives, obstacle, orbits
+from stickslip_sym.motion.orbits.orbit import obstacle, orbits
 from stickslip_sym.motion.thresholds.averages import average, average_changes
 from stickslip_sym.motion.thresholds.grazing import grazing_damping, grazing_sensitivity
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
@@ -367,28 +367,6 @@ def _by_orbit(points: OperatingPoints, rtol: float) -> Computed:
     return Computed(value, error, {int(far[row]): refusal for row, refusal in halves.refusals.items()})
 
 
-def _orbit_changes(points: OperatingPoints, value: FloatArray) -> dict[str, FloatArray]:
-    """Differentiate c = sqrt(k m) d(V, N/sqrt(k m))."""
-    impedance, strength = points.impedance, points.strength
-    found = derivatives(points.law, points.V, strength)
-    (harmonic,) = averages(points.law, points.V)  # exact without friction
-    by_impedance = (found["d"] - found["strength"]) * impedance / 2
-    with np.errstate(all="ignore"):
-        by_force = np.where(strength > 0, found["strength"] / strength, harmonic)
-    changes = {
-        "V": found["V"] * impedance / points.V,
-        "N": by_force,
-        "m": by_impedance / points.columns["m"],
-        "k": by_impedance / points.columns["k"],
-        **{name: found[name] * impedance for name in points.law.parameters},
-    }
-    strong = np.flatnonzero(~np.isfinite(found["d"]))  # no orbit on a grid of phases
-    if strong.size:
-        for name, column in _slip_changes(points.rows(strong), value[strong]).items():
-            changes[name][strong] = column
-    return changes
-
-
 # -- the slip from P -------------------------------------------------------------------------------
 
 
@@ -439,7 +417,7 @@ _table: dict[str, Method] = {
     for method in (
         Method("second_order", _by_expansion, False, _expansion_changes, cost=1.0, smooth=True),
         Method("simulation", _by_simulation, True, _slip_changes, cost=5.0, loosest=1e-3),
-        Method("orbit", _by_orbit, True, _orbit_changes, cost=_orbit_cost, smooth=True),
+        Method("orbit", _by_orbit, True, _slip_changes, cost=_orbit_cost, smooth=True),
         Method("proof", _by_proof, True, _slip_changes, cost=math.inf, tightest=1e-40, loosest=1e-3),
     )
 }
