@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,7 +25,6 @@ from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.classification import followed
 from stickslip_sym.motion.regimes.regime import Regime, kept_regime
 from stickslip_sym.motion.steps import TIGHT
-from stickslip_sym.motion.workers import Progress, Workers, collect
 from stickslip_sym.output import files
 
 if TYPE_CHECKING:
@@ -35,7 +33,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _COARSE = 1e-10  # tolerance at which the areas are measured again, for their error
-_TOGETHER = 1000  # initial conditions that are followed at once
 _CHECKED = 200  # initial conditions that are followed although geometry settles them
 _SEED = 1  # of their choice
 
@@ -57,9 +54,6 @@ class Share:
     value: float
     error: float
     counted: bool = False
-
-    def __float__(self) -> float:
-        return self.value
 
     def __str__(self) -> str:
         return f"{self.value:.10g} +- {self.error:.1g}{', counted' if self.counted else ''}"
@@ -133,8 +127,7 @@ def basin_map(
     x0: ArrayLike,
     v0: ArrayLike,
     rtol: float = 1e-10,
-    workers: Workers = 1,
-    progress: Progress | None = None,
+    workers: int = 1,
     time_limit: float | None = None,
 ) -> BasinMap:
     """Return the motion that each initial condition leads to, also faster than the belt.
@@ -152,11 +145,11 @@ def basin_map(
         Initial displacements in m and velocities in m/s, each ascending.
     rtol : float
         Relative tolerance of an integration step, 1e-13 to 1e-3.
-    workers, progress
-        As for `motion_map`.
+    workers : int
+        Threads for motions that are followed, where numba is there; -1 for all processors.
     time_limit : float, optional
         Seconds after which it is returned as it is: what is not classified by then is undecided, with a note
-        that says so. Ctrl-C ends it likewise.
+        that says so.
 
     Returns
     -------
@@ -198,13 +191,7 @@ def basin_map(
         chosen = ~motion.astype(bool)
         chosen.flat[check] = True
         rows, columns = np.nonzero(chosen)
-        tasks = [np.array([x[columns], v[rows]])[:, i : i + _TOGETHER] for i in range(0, rows.size, _TOGETHER)]
-        results = collect(partial(followed, law, osc, rtol), tasks, workers=workers, progress=progress)
-    fates = [
-        fate
-        for task, part in zip(tasks, results, strict=True)
-        for fate in ([OutOfTime(LATE)] * task.shape[1] if part is None else part)
-    ]
+        fates = followed(law, osc, rtol, np.array([x[columns], v[rows]]), workers)
     notes, disagreements = dict[tuple[int, int], str](), 0
     for place, fate in zip(zip(rows.tolist(), columns.tolist(), strict=True), fates, strict=True):
         motion[place] = fate if isinstance(fate, Motion) else Motion.UNDECIDED

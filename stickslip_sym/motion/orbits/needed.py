@@ -35,8 +35,9 @@ SIGNS = 1e-11
 PARTED = 1e-7
 """The gap of an orbit beside which d jumps; where d is continuous it is that of rounding."""
 ROUNDING = 1e-14
-"""Relative, of a gap and of a damping; of the terms of w' over their sum."""
-_COARSE, _TIGHTEST = 1e-5, 1e-13  # tolerances of the first steps, and of those where digits are wanted
+"""Relative, of a gap, a damping and an amplitude; of the terms of w' over their sum."""
+_COARSE = 1e-5  # tolerance of the first steps
+_TIGHTEST = 1e-13  # tolerance of steps where digits are wanted, and the relative error of a rise in its table
 _SHARE = 0.03  # of the error of the damping ratio that is wanted, a tolerance
 _STRONG, _STIFF = 30.0, 1e-9  # eta from which halves are stiff, and the tolerance there, unless digits are wanted
 _LOOSER = 10.0  # of the tolerance, for the estimate of what the integration is off
@@ -53,8 +54,6 @@ _FARTHEST = 1e6  # damping ratio over 1 + |eta|, and over the largest rise of fr
 _PATIENT = 100.0  # times as long as the displacement takes at the belt's speed, after which a half creeps to rest
 _MOST_STEPS = 60_000  # of a half
 _STEPPED = 3.0  # tolerances of what looser ones have in common: steps are never longer
-_TABULATED = 1e-13  # relative error of a rise in its table
-_FLAT = 1e-15  # of mu, below which a rise is none
 _WIDENED = 10  # times that a distance from a jump of the gap becomes ten times as wide
 _CLOSE = 4e-16  # relative width of a bracket that is not halved again
 
@@ -189,7 +188,7 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
     low, high, slope = -math.inf, math.inf, _FALL
     zeta, largest = _harmonic(rise, eta, A)
     reach = 0.1 * max(abs(zeta), largest + abs(push))
-    if largest <= _FLAT * abs(eta) and abs(push) <= _FLAT * abs(eta):
+    if max(largest, abs(push)) <= 0.1 * ROUNDING * abs(eta):
         return Found.ROOT, 0.0, 0.0, low, high, slope
     if not largest < _WILD:
         return Found.LOST, zeta, math.inf, low, high, slope
@@ -221,7 +220,7 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
             else:  # the gap is no more than what the steps are off
                 off += abs(value)
                 slope = max(slope, _FALL)
-            return Found.ROOT, zeta, off / -slope + _TABULATED * largest, low, high, slope
+            return Found.ROOT, zeta, off / -slope + _TIGHTEST * largest, low, high, slope
         if math.isfinite(high - low) and high - low <= _CLOSE * max(abs(low), abs(high)):
             # The gap jumps there, as where the halves pass a jump of mu on one side only, or part by all digits;
             # or the law ends there, and the forward half leaves its table for less damping.
@@ -230,7 +229,7 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
                 return Found.BEYOND, zeta, math.inf, low, high, slope
             error = _spread(rise, eta, push, A, _LOOSER * tight, by_zeta, low, high)
             end = Found.ROOT if error < math.inf else Found.LOST
-            return end, zeta, error + _TABULATED * largest, low, high, slope
+            return end, zeta, error + _TIGHTEST * largest, low, high, slope
         if coarse and abs(value) <= _NEAR:
             zeta, rtol, low, high, gap_before = zeta - value / slope, tight, -math.inf, math.inf, math.nan
             continue

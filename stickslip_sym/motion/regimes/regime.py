@@ -48,7 +48,8 @@ NEAR = 100
 _FIRST, _ESCAPED = 1e-3, 1e6  # displacements q at which a round outside P's is tried first, and last
 _STEP = 1e-3  # relative, of a displacement by which a round is differentiated
 _PERIODIC = 1e-9  # relative change of a round that is periodic
-_INWARD, _OUTWARD = 24, 12  # rounds that are looked at on the way in to P's, and out
+_ROUNDS = 24  # that are looked at on the way in to P's, and half as many on the way out
+_ON_BELT = 1e-9  # slip speed over the belt's, at the end of an orbit that returns
 _SAME = 1e-12  # relative, of the belt's speed and a kink
 _SECONDS, _RTOL = 2.0, 1e-8  # of computation, for a curve that is a period of a motion, and its tolerance
 _GRAZE = "separatrix: orbit that touches the belt's speed"
@@ -284,8 +285,8 @@ class Regime(drawing.Drawn):
         found = np.full(begins.shape, Motion.PURE_SLIP, dtype=object)
         moved = np.abs(ends - begins) > _PERIODIC * ends
         if moved.any():
-            near = np.geomspace(ends[moved].min() / _INWARD, ends[moved].max(), _INWARD)
-            ahead = np.append(near, near[-1] * 4.0 ** np.arange(1, _OUTWARD + 1))
+            near = np.geomspace(ends[moved].min() / _ROUNDS, ends[moved].max(), _ROUNDS)
+            ahead = np.append(near, near[-1] * 4.0 ** np.arange(1, _ROUNDS // 2 + 1))
             grow = rounds(self.system, ahead, self.rtol) > ahead
             away = moved & (ends > begins) & (ends >= ahead[~grow].max(initial=0.0))
             home = moved & (ends < begins) & (ends <= ahead[grow].min(initial=math.inf))
@@ -350,7 +351,8 @@ class Regime(drawing.Drawn):
         unstable = [place for place, cycle in enumerate(self.slip_cycles, 1) if not cycle.stable]
         grazes = returns and self.growth[-1] < 0
         curves = self.separatrices
-        if len(curves) < len(unstable) + grazes or (grazes and not curves[-1].ends_on_belt):
+        # The orbit that touches the belt's speed comes from there too.
+        if len(curves) < len(unstable) + grazes or (grazes and curves[-1].w(curves[-1].w.x[-1]) > _ON_BELT):
             return None
         return (*(self.fate(place) for place in (0, *unstable)), *([Motion.STICK_SLIP] * grazes))
 

@@ -21,7 +21,6 @@ _SAMPLES = 257  # of a separatrix, in its public arrays
 _DEGREE = 12  # of the polynomials within a step, whose remainder is below the tolerance of steps of order 8
 _NODES = (1 + chebyshev.chebpts2(_DEGREE + 1)) / 2
 _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(_DEGREE)  # exact for the product q w' of two such polynomials
-_ON_BELT = 1e-9  # slip speed over the belt's, at the end of an orbit that returns
 _HALVINGS = 60  # bisections of a step, after which a place on it is known to rounding
 
 
@@ -103,11 +102,6 @@ class Separatrix:
         centre = self.w(middle)
         inside = (centre > w[0]) & (centre < w[1])
         return abs(float((half * (integrand @ _WEIGHTS))[inside].sum()))
-
-    @property
-    def ends_on_belt(self) -> bool:
-        """Whether both ends are at the belt's speed: the orbit that touches it comes from there."""
-        return bool((np.abs(self.w(self.w.x[[0, -1]])) <= _ON_BELT).all())
 
     @property
     def x(self) -> FloatArray:

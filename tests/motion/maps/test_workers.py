@@ -19,7 +19,6 @@ from stickslip_sym.motion.maps.cells import LATE
 
 LAW = ss.laws.exponential.typical()
 PLANE = {"x": ("V", np.linspace(0.2, 0.8, 7)), "y": ("c", np.linspace(0.5, 6, 12)), "N": 9.81, "m": 1, "k": 100}
-BOX = {"x0": np.linspace(-0.3, 0.3, 5), "v0": np.linspace(-0.4, 0.8, 4)}
 
 
 class AnyWire(Executor):
@@ -132,17 +131,11 @@ def test_control_c_prints_what_is_done(run, monkeypatch, tmp_path):
     assert len((tmp_path / "part.csv").read_text().splitlines()) == 85
 
 
-@pytest.mark.parametrize("draw", [
-    lambda **options: ss.motion_map(LAW, **PLANE, **options),
-    lambda **options: ss.basin_map(LAW, ss.Oscillator(m=1, k=100, c=2.3, V=0.5, N=9.81), **BOX, **options),
-])  # fmt: skip
-def test_interruption_leaves_cells_undecided(draw, monkeypatch):
-    monkeypatch.setattr("stickslip_sym.motion.maps.basins._TOGETHER", 7)
-
-    whole, part = draw(), draw(progress=press)
+def test_interruption_leaves_cells_undecided():
+    whole, part = (ss.motion_map(LAW, **PLANE, progress=progress) for progress in (None, press))
     decided = part.motion != ss.Motion.UNDECIDED
     assert 0 < decided.sum() < decided.size
     assert (part.motion[decided] == whole.motion[decided]).all()
     assert part.notes == dict.fromkeys(map(tuple, np.argwhere(~decided).tolist()), LATE)
     with pytest.raises(KeyboardInterrupt):
-        draw(progress=lambda done, total: press(2, total))
+        ss.motion_map(LAW, **PLANE, progress=lambda done, total: press(2, total))
