@@ -17,8 +17,6 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.model.expression.pieces import RELATIONS, place_of
 
-_MOST_PIECES = 8  # of a function in pieces that are simplified; that of a table of measurements has up to 60
-
 
 @dataclass(frozen=True)
 class Term:
@@ -141,8 +139,7 @@ def _at_scale(rest: Expr, scale: Expr) -> Expr:
 def _simplified(expr: Expr) -> Expr:
     """Bring out the constant factor of a function of v, so that equal profiles become the same expression."""
     if expr.has(sp.Piecewise):
-        nodes = [node for node in expr.atoms(sp.Piecewise) if len(node.args) <= _MOST_PIECES]
-        return expr.xreplace({node: _simplified_pieces(node) for node in nodes})
+        return expr.xreplace({node: _simplified_pieces(node) for node in expr.atoms(sp.Piecewise)})
     if expr.is_rational_function(symbols.v):
         return _with_plain_factors(sp.factor(expr))
     expr = expr.replace(lambda node: node.is_Pow and not node.exp.is_Integer, _with_plain_factors)

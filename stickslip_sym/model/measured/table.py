@@ -168,13 +168,14 @@ def _layout(
 ) -> tuple[str, list[str], str, list[_Line]]:
     """Return what separates columns, the cells of the header, where it stands, and the rows.
 
-    A header names a speed and friction, also in a comment; columns stand below it, and where blanks part them as
-    many, which tells it from a title like "friction vs speed". Where the user chose the columns it may have any
-    names, and is the last line as wide as the first row that has nothing but numbers.
+    A header names a speed and friction, also in a comment, and has a row of numbers below it, where blanks part
+    them as many as there are names; anything else that looks like one is refused. Where the user chose the columns
+    it may have any names, and is the last line as wide as the first row that has nothing but numbers.
     """
     rows = [line for line in lines if not line.comment]
     for i, line in enumerate(lines[:_LOOKED_AT]):
-        below = [row for row in rows if row.number > line.number]
+        start = sum(not one.comment for one in lines[: i + 1])
+        below = rows[start : start + 1]
         cells = {mark: _names(line.text, mark) for mark in SEPARATORS}
         first = {mark: _names(below[0].text, mark) if below else [] for mark in SEPARATORS}
         where = f"{name}, line {line.number}"
@@ -184,7 +185,7 @@ def _layout(
         for mark in named:
             fits = len(first[mark]) == len(cells[mark]) if mark == " " else len(first[mark]) > 1
             if fits and any(map(_is_number, first[mark])):
-                return mark, cells[mark], where, below
+                return mark, cells[mark], where, rows[start:]
         if named and (chosen or not line.comment):
             raise InputError(
                 f"{where}: {line.text[:60]!r} names {len(cells[named[-1]])} columns, and {below[0].text[:50]!r} "
@@ -199,9 +200,9 @@ def _layout(
             if any(map(_is_number, header)) or (below and len(first[mark]) != count):
                 break
             if chosen and wide:
-                return mark, header, f"{name}, line {wide[-1].number}", [line, *below]
+                return mark, header, f"{name}, line {wide[-1].number}", rows[start - 1 :]
             if chosen or (count == 2 and line is rows[0]):
-                return mark, [""] * count if chosen else ["v", "mu"], name, [line, *below]
+                return mark, [""] * count if chosen else ["v", "mu"], name, rows[start - 1 :]
             break
     if not rows:
         raise InputError(f"{name} has no points; write a line for each, like 0.1,0.35")
@@ -224,12 +225,9 @@ def _fill(table: Table, rows: Sequence[tuple[int, list[str]]], header: list[str]
     ]  # fmt: skip
     table.cells = {quantity: [] for quantity in table.columns}
     for line, row in rows:
+        text = separator.join(row)
         if len(row) < count or any(row[count:]):
-            column, got, reason = (
-                str(min(len(row), count)),
-                separator.join(row)[:60],
-                "of another number of columns",
-            )
+            column, got, reason = str(min(len(row), count)), text[:60], "of another number of columns"
             rule = f"the row has {len(row)} column{'s' * (len(row) > 1)}, and the header {count}"
             rule += "; where a comma is the decimal sign, part the columns by semicolons" * (separator == ",")
         else:
@@ -243,7 +241,6 @@ def _fill(table: Table, rows: Sequence[tuple[int, list[str]]], header: list[str]
             i, reason = wrong[0], "without a number"
             column, got = f"{i + 1}" + (f", {table.columns[read[i]].text!r}" if i in read else ""), row[i][:40]
             rule = "a finite number is needed, like 0.35, without a sign between thousands"
-        text = separator.join(row)
         if _names(text, separator) != header and any(is_header(_names(text, mark)) for mark in SEPARATORS):
             raise InputError(
                 f"{table.name}, line {line}: another header, {text[:60]!r}, begins a second table; save each as a "
