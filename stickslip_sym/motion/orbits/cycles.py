@@ -65,11 +65,8 @@ class LimitCycle:
         return f"LimitCycle: {self}, {kind}, Floquet exponent {self.floquet:.6g} 1/s"
 
     def _repr_html_(self) -> str:
-        rows = [
-            ["highest velocity", f"{self.amplitude:.9g}", "m/s"],
-            ["period", f"{self.period:.9g}", "s"],
-            ["Floquet exponent", f"{self.floquet:.9g}", "1/s"],
-        ]
+        units = {"amplitude": "m/s", "period": "s", "floquet": "1/s"}
+        rows = [[name, f"{getattr(self, name):.9g}", unit] for name, unit in units.items()]
         kind = "stable" if self.stable else "unstable"
         return markup.table(["quantity", "value", "unit"], rows, caption=f"{kind} pure-slip limit cycle")
 

@@ -25,7 +25,7 @@ from stickslip_sym.model.law import FrictionLaw
 
 Slope = Callable[[FloatArray], FloatArray]
 """mu' at slip speeds."""
-_SMALLEST, _FINER, _LARGEST = 32, 6, 1152  # phases in half a period, and how many times more if these do not do
+_GRIDS = (32, 192, 1152)  # phases in half a period; the next where these do not do
 _TAIL = 1e-14  # of the highest quarter of the Fourier coefficients, relative: the rounding of a sum of them
 _OCTAVES = 40  # of the phase, to which panels shrink towards the graze
 _NODES = 16
@@ -118,12 +118,12 @@ def expand(law: FrictionLaw, V: ArrayLike, A: ArrayLike = 1.0, *, grid: int | No
     - `grid`: number of phases in half a period; found for each speed if not given.
     """
     V, A = (np.ravel(array) for array in np.broadcast_arrays(np.asarray(V, np.float64), A))
-    size, slope = grid or _SMALLEST, slopes(law)
-    found = _expand(slope, V, A, size)
-    while grid is None and size < _LARGEST and not found.resolved.all():
-        size *= _FINER
+    slope = slopes(law)
+    found = _expand(slope, V, A, grid or _GRIDS[0])
+    for size in () if grid else _GRIDS[1:]:
         again = ~found.resolved
-        found = found.refined(again, _expand(slope, V[again], A[again], size))
+        if again.any():
+            found = found.refined(again, _expand(slope, V[again], A[again], size))
     return found
 
 

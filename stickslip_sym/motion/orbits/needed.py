@@ -42,9 +42,8 @@ _SHARE = 0.03  # of the error of the damping ratio that is wanted, a tolerance
 _STRONG, _STIFF = 30.0, 1e-9  # eta from which halves are stiff, and the tolerance there, unless digits are wanted
 _LOOSER = 10.0  # of the tolerance, for the estimate of what the integration is off
 _NEAR = 1e-2  # gap at which the tight tolerance is taken
-_SHOWN = 1e-4  # gap above which coarse steps show its sign; they are off by a hundredth of that
+_ROUGH = 1e-4  # gap above which coarse steps show its sign, and relative error of the slope by them
 _SLOW = 0.5  # of the gap before, above which the tight steps are as good as they get
-_SLOPED = 1e-4  # relative error of the slope by coarse steps
 _DONE = 1e-10  # gap after which the next secant is the last one
 _MOST_GAPS = 100  # dampings that are tried
 _PHASES = 64  # for the first guess
@@ -53,9 +52,7 @@ _WILD = 1e12  # change of friction along an orbit, over its own forces, that is 
 _FARTHEST = 1e6  # damping ratio over 1 + |eta|, and over the largest rise of friction, beyond which there is none
 _PATIENT = 100.0  # times as long as the displacement takes at the belt's speed, after which a half creeps to rest
 _MOST_STEPS = 60_000  # of a half
-_STEPPED = 3.0  # tolerances of what looser ones have in common: steps are never longer
 _WIDENED = 10  # times that a distance from a jump of the gap becomes ten times as wide
-_CLOSE = 4e-16  # relative width of a bracket that is not halved again
 
 
 class Found(IntEnum):
@@ -171,7 +168,7 @@ def sure_gap(rise: Any, eta: float, zeta: float, push: float, A: float, rtol: fl
     """Return the gap, and whether the forward half left the table: by coarse steps where they show its sign."""
     coarse = _STIFF if abs(eta) > _STRONG else _COARSE
     value, _, outside, _ = gap(rise, eta, zeta, push, A, coarse, False, 0.0, source)
-    if outside or not _SHOWN < abs(value) < math.inf:
+    if outside or not _ROUGH < abs(value) < math.inf:
         value, _, outside, _ = gap(rise, eta, zeta, push, A, rtol, False, 0.0, source)
     return value, outside
 
@@ -213,15 +210,15 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
         before, unchanged, gap_before = zeta, abs(value) > _SLOW * abs(gap_before), value
         if not coarse and (abs(value) <= _DONE or (unchanged and abs(value) <= _NEAR and not beyond)):
             loose, _, _, _ = gap(rise, eta, zeta, push, A, _LOOSER * tight, False, 0.0, by_zeta)
-            off = abs(loose - value) + rounding + (_STEPPED * tight if tight > _TIGHTEST else 0.0)
+            off = abs(loose - value) + rounding + (_LOOSER * tight if tight > _TIGHTEST else 0.0)
             if abs(value) <= _DONE:
-                off += value * value + _SLOPED * abs(value)
+                off += value * value + _ROUGH * abs(value)
                 zeta -= value / slope
             else:  # the gap is no more than what the steps are off
                 off += abs(value)
                 slope = max(slope, _FALL)
             return Found.ROOT, zeta, off / -slope + _TIGHTEST * largest, low, high, slope
-        if math.isfinite(high - low) and high - low <= _CLOSE * max(abs(low), abs(high)):
+        if math.isfinite(high - low) and high - low <= ROUNDING * max(abs(low), abs(high)):
             # The gap jumps there, as where the halves pass a jump of mu on one side only, or part by all digits;
             # or the law ends there, and the forward half leaves its table for less damping.
             _, _, outside, _ = gap(rise, eta, low, push, A, rtol, False, 0.0, by_zeta)

@@ -44,20 +44,16 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 NEAR = 100
-"""Tolerances within which an initial condition is on a separatrix, as far as integration can say."""
+"""Tolerances within which a state is on a curve or at the belt's speed, as far as integration can say."""
 _FIRST, _ESCAPED = 1e-3, 1e6  # displacements q at which a round outside P's is tried first, and last
 _STEP = 1e-3  # relative, of a displacement by which a round is differentiated
-_PERIODIC = 1e-9  # relative change of a round that is periodic
 _ROUNDS = 24  # that are looked at on the way in to P's, and half as many on the way out
-_ON_BELT = 1e-9  # slip speed over the belt's, at the end of an orbit that returns
-_SAME = 1e-12  # relative, of the belt's speed and a kink
 _SECONDS, _RTOL = 2.0, 1e-8  # of computation, for a curve that is a period of a motion, and its tolerance
-_GRAZE = "separatrix: orbit that touches the belt's speed"
 _LOOKS: dict[str, dict[str, Any]] = {
     "stick-slip": {"color": "black", "linewidth": 2.2},
     "pure-slip cycle": {"color": "#009E73", "linewidth": 2.2},
     "pure-slip cycle, unstable": {"color": "#D55E00", "linewidth": 1.2, "linestyle": "--"},
-    _GRAZE: {"color": "0.45", "linewidth": 1.2, "linestyle": "-."},
+    "separatrix: orbit that touches the belt's speed": {"color": "0.45", "linewidth": 1.2, "linestyle": "-."},
     "belt speed": {"color": "black", "linewidth": 0.8, "linestyle": ":", "zorder": 0},
 }
 
@@ -133,9 +129,11 @@ class Regime(drawing.Drawn):
         """The equilibrium."""
         law, osc, rise = self.law, self.oscillator, self.system.rise
         x = osc.N * float(law.mu(osc.V)) / osc.k
-        jump = sum(size for level, size in zip(rise.levels, rise.jumps, strict=False) if abs(level - 1) <= _SAME)
+        jump = sum(
+            size for level, size in zip(rise.levels, rise.jumps, strict=False) if abs(level - 1) <= ROUNDING
+        )
         # Where mu has a kink at V the two halves of a swing have slopes of their own.
-        sides = [_swing(osc, law.slope(osc.V * (1 + side * 10 * _SAME))) for side in (-1, 1)]
+        sides = [_swing(osc, law.slope(osc.V * (1 + side * 10 * ROUNDING))) for side in (-1, 1)]
         ends_here = any(rate < 0 and math.isinf(time) for rate, time in sides)
         if jump != 0 and osc.N > 0:
             # Where mu jumps up it holds the mass as static friction does; where it jumps down it drives it off.
@@ -283,7 +281,7 @@ class Regime(drawing.Drawn):
         there is a limit cycle between.
         """
         found = np.full(begins.shape, Motion.PURE_SLIP, dtype=object)
-        moved = np.abs(ends - begins) > _PERIODIC * ends
+        moved = np.abs(ends - begins) > NEAR * self.rtol * ends
         if moved.any():
             near = np.geomspace(ends[moved].min() / _ROUNDS, ends[moved].max(), _ROUNDS)
             ahead = np.append(near, near[-1] * 4.0 ** np.arange(1, _ROUNDS // 2 + 1))
@@ -352,7 +350,9 @@ class Regime(drawing.Drawn):
         grazes = returns and self.growth[-1] < 0
         curves = self.separatrices
         # The orbit that touches the belt's speed comes from there too.
-        if len(curves) < len(unstable) + grazes or (grazes and curves[-1].w(curves[-1].w.x[-1]) > _ON_BELT):
+        if len(curves) < len(unstable) + grazes or (
+            grazes and curves[-1].w(curves[-1].w.x[-1]) > NEAR * self.rtol
+        ):
             return None
         return (*(self.fate(place) for place in (0, *unstable)), *([Motion.STICK_SLIP] * grazes))
 
@@ -421,12 +421,13 @@ class Regime(drawing.Drawn):
             motion = simulate(law, osc, t_end=period, x0=x0, v0=v0, rtol=_RTOL, time_limit=_SECONDS)
             state = motion.at(drawing.dense(np.unique(motion.t)))
             ax.plot(state.x, state.v, label=name, **_LOOKS[name])
+        *_, graze, belt = _LOOKS
         for curve in self.separatrices:
             if curve.kind == "graze":  # any other is drawn as the cycle that it is
-                ax.plot(curve.x, curve.v, label=_GRAZE, **_LOOKS[_GRAZE])
+                ax.plot(curve.x, curve.v, label=graze, **_LOOKS[graze])
         face, name = ("black", "rest") if self.rest.stable else ("white", "rest, unstable")
         ax.plot([self.rest.x], [0.0], "o", color="black", markerfacecolor=face, label=name)
-        ax.axhline(osc.V, label="belt speed", **_LOOKS["belt speed"])
+        ax.axhline(osc.V, label=belt, **_LOOKS[belt])
         ax.set(xlabel="displacement $x$ (m)", ylabel="velocity $\\dot x$ (m/s)")
         ax.locator_params(axis="x", nbins=6)
         ax.grid(alpha=0.25)

@@ -19,18 +19,17 @@ from stickslip_sym.motion.slip import Dimensionless, Slip
 SeparatrixKind = Literal["limit cycle", "graze"]
 _SAMPLES = 257  # of a separatrix, in its public arrays
 _DEGREE = 12  # of the polynomials within a step, whose remainder is below the tolerance of steps of order 8
-_NODES = (1 + chebyshev.chebpts2(_DEGREE + 1)) / 2
-_GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(_DEGREE)  # exact for the product q w' of two such polynomials
 _HALVINGS = 60  # bisections of a step, after which a place on it is known to rounding
 
 
 def interpolated(back: Dimensionless, slip: Slip, rtol: float) -> tuple[Any, Any]:
     """Return q and w along a recorded slip of a system backward in time, as polynomials in each of its steps."""
     steps = [step for step in slip.steps if step.length > 0]
-    tau = np.array([step.tau + step.length * _NODES for step in steps]).ravel()
-    q, w = back.states(steps, np.repeat(np.arange(len(steps)), _NODES.size), tau, 1, rtol)
-    powers, number = np.vander(_NODES, _DEGREE + 1), np.arange(len(steps) + 1.0)
-    q, w = (np.linalg.solve(powers, values.reshape(-1, _NODES.size).T) for values in (-q, w))
+    nodes = (1 + chebyshev.chebpts2(_DEGREE + 1)) / 2
+    tau = np.array([step.tau + step.length * nodes for step in steps]).ravel()
+    q, w = back.states(steps, np.repeat(np.arange(len(steps)), nodes.size), tau, 1, rtol)
+    powers, number = np.vander(nodes), np.arange(len(steps) + 1.0)
+    q, w = (np.linalg.solve(powers, values.reshape(-1, nodes.size).T) for values in (-q, w))
     return PPoly(q, number), PPoly(w, number)
 
 
@@ -97,11 +96,12 @@ class Separatrix:
         ends = np.unique(np.concatenate([self.w.x, *cuts]))
         ends = ends[np.isfinite(ends)]
         middle, half = (ends[1:] + ends[:-1]) / 2, np.diff(ends) / 2
-        places = middle[:, None] + half[:, None] * _GAUSS
+        nodes, weights = np.polynomial.legendre.leggauss(_DEGREE)  # exact for the product q w' of polynomials
+        places = middle[:, None] + half[:, None] * nodes
         integrand = np.clip(self.q(places), *q) * self.w.derivative()(places)
         centre = self.w(middle)
         inside = (centre > w[0]) & (centre < w[1])
-        return abs(float((half * (integrand @ _WEIGHTS))[inside].sum()))
+        return abs(float((half * (integrand @ weights))[inside].sum()))
 
     @property
     def x(self) -> FloatArray:
