@@ -37,11 +37,6 @@ def run(given: Given) -> None:
         threshold = ss.pure_slip_damping(at.law, **at.texts, method=method, rtol=rtol, time_limit=limit)
         _ = threshold.uncertainty  # warns where the first order is not enough
         text = f"c = {threshold}"
-        if threshold.deserved is not None:
-            text += (
-                "\nno more accurate a method than the parameters deserve: rtol = "
-                f"{threshold.deserved:.1e}, a tenth of their relative standard error; give --rtol for more"
-            )
         found.append({"operating_point": at, "threshold": threshold})
         texts.append("\n\n".join(map(str, filter(None, (at, text, threshold.budget, threshold.theorem)))))
     echo_all(given, found, texts)

@@ -46,7 +46,7 @@ def test_a_criterion_of_the_catalogue(monkeypatch):
     assert ss.derive(LAW, "uniform")(V=0.5, N=9.81) == pytest.approx(right, rel=1e-13)
     assert ss.pure_slip_damping(LAW, **POINT, method="uniform").value == pytest.approx(right, rel=1e-13)
     said = command("damping", "exponential", "-m1", "-k100", "--all", "--json")
-    found = {one["method"]: one["threshold"] for one in json.loads(said)["answers"]}
+    found = {one["method"]: one for one in json.loads(said)["rows"]}
     assert list(found)[3] == "uniform"
     assert float(found["uniform"]["value"]) == pytest.approx(right, rel=1e-13)
     assert "least_squares" in found

@@ -47,9 +47,7 @@ _LOOSE = 1e-6  # relative error of a threshold by a method that does not converg
 _FINER, _TIGHTEST = 1e-3, 1e-12  # of rtol, the relative error of a threshold at a root; and the smallest
 _CLOSE = 1e-9  # tolerance of a root, relative, which a Newton step with the exact slope then refines
 _DIP = 1e-5  # relative distance from an extremum of the threshold at which it is taken
-_BESIDE = 1e-4  # relative distance at which an absolute error is taken where the threshold is 0
 _NEWTON = 1e-6  # relative size of that step, up to which it is the last
-_NEWTON_STEPS = 4
 _ROUNDING = float(4 * np.finfo(np.float64).eps)  # relative, of a root
 _HALVINGS = 8  # bisections of an interval of the grid, for the last value at which mu is known at all speeds
 
@@ -185,27 +183,20 @@ def critical(
         return _Search(law, of, numbers, find_method(method), rtol).found(_places(within))
 
 
-def excess(points: OperatingPoints, c: float, method: Method | None) -> FloatArray:
-    """Return for each operating point a number with the sign of threshold minus c; NaN where there is none.
+def excess(points: OperatingPoints, c: float, method: Method | None) -> float:
+    """Return a number with the sign of threshold minus c at one operating point; NaN where there is none.
 
-    - `method`: an average, or one that does not converge, has a threshold of its own; the others have one.
+    An average, or a method that does not converge, has a threshold of its own. For the others it is the gap of the
+    grazing orbit, cut at -1 and 1: infinite, with its sign, where a half does not come to w = 1.
     """
     deadline.check_time()
-    if method is None or method.converges:
-        return np.array([_gap(points, row, c) for row in range(len(points))])
-    if method.criterion is not None:
-        return points.N * slope_mean(points.law, method.criterion, points.V) - c
-    found, _ = ask(points, method, _LOOSE)
-    return np.where(np.isfinite(found.relative_error), found.value, math.nan) - c
-
-
-def _gap(points: OperatingPoints, row: int, c: float) -> float:
-    """Return the gap of the grazing orbit at a damping, cut at -1 and 1; NaN where its sign is not known.
-
-    Where a half of the orbit does not come to w = 1 the gap is infinite, with its sign.
-    """
+    if method is not None and method.criterion is not None:
+        return float(points.N[0] * slope_mean(points.law, method.criterion, points.V)[0]) - c
+    if method is not None and not method.converges:
+        found, _ = ask(points, method, _LOOSE)
+        return float(found.value[0]) - c if np.isfinite(found.relative_error[0]) else math.nan
     try:
-        system = Dimensionless.of(points.law, points.oscillator(row, c))
+        system = Dimensionless.of(points.law, points.oscillator(0, c))
     except NO_RESULT:
         return math.nan
     wedge = tuple(system.no_wedge)
@@ -237,11 +228,9 @@ class _Search:
         self.law, self.of, self.rtol, self.c = law, of, rtol, values["c"]
         self.tight = max(_FINER * rtol, _TIGHTEST)
         self.quantities: dict[str, Any] = {name: value for name, value in values.items() if name != "c"}
-        given = {"m", "k"} & (self.quantities.keys() | {of})
-        if len(given) == 1:
-            raise InputError("give both the mass m and the stiffness k, or neither")
+        given = {"m", "k"} <= self.quantities.keys() | {of}
         if method is not None:
-            method.check(law, values.get("V", math.inf), bool(given))
+            method.check(law, values.get("V", math.inf), given)
         elif not given:
             method = find_method(harmonic)
         self.proof = method is not None and method.name == "proof"
@@ -256,11 +245,6 @@ class _Search:
             return OperatingPoints.of(self.law, **self.quantities, **{self.of: x})
         return OperatingPoints.of(self.law.bind(**{self.of: x}), **self.quantities)
 
-    def excess(self, x: FloatArray) -> FloatArray:
-        """Return `excess` at values of what is sought."""
-        points = [self.at(x)] if self.is_quantity else map(self.at, x.tolist())
-        return np.concatenate([[], *(excess(some, self.c, self.method) for some in points)])
-
     def found(self, within: FloatArray | None) -> tuple[Critical, ...]:
         """Return the critical values, ascending."""
         roots = None if self.criterion is None else self._polynomial_roots(self.criterion)
@@ -268,7 +252,9 @@ class _Search:
             low, high = (-math.inf, math.inf) if within is None else (within[0], within[-1])
             roots = [x for x in roots if low <= x <= high]
         elif self.criterion is not None and self.of in ("m", "k"):
-            raise InputError(f'an average of slopes does not depend on {self.of}; try method="orbit"')
+            raise InputError(
+                f'an average of slopes does not depend on {self.of}; give m and k, and try method="orbit"'
+            )
         else:
             roots = self._roots(self._grid(within))
         results = sorted(map(self._result, roots), key=lambda one: one.value)
@@ -314,14 +300,14 @@ class _Search:
         """Return where the excess changes its sign, up to where motions leave the measured speeds."""
 
         def value(x: float) -> float:
-            return float(self.excess(np.array([x]))[0])
+            return excess(self.at(x), self.c, self.method)
 
         def value_or_refusal(x: float) -> float:
             found = value(x)
             return found if not math.isnan(found) else self._no_threshold(x)
 
         with np.errstate(all="ignore"):
-            nodes = dict(zip(x.tolist(), self.excess(x).tolist(), strict=True))
+            nodes = {place: value(place) for place in x.tolist()}
             for ends in pairwise(x.tolist()):
                 inside, outside = sorted(ends, key=lambda x: math.isnan(nodes[x]))
                 if math.isnan(nodes[inside]) == math.isnan(nodes[outside]):
@@ -373,31 +359,21 @@ class _Search:
     # -- results -----------------------------------------------------------------------------------
 
     def _result(self, x: float) -> Critical:
-        """Return a root by Newton's method from one close to it, with its error, from that of the threshold."""
-        for _ in range(_NEWTON_STEPS):
-            computed, names = ask(self.at(x), self.method, self.tight)
-            off = float(computed.value[0]) - self.c
-            if not names[0] or math.isnan(off):
-                self._no_threshold(x)
-            method = self.method or methods()[names[0]]
-            if method.sensitivity is None:
-                raise InputError(f"how a threshold by {method.name!r} changes is not known; try another method")
-            columns = method.sensitivity(self.at(x), np.array([self.c]))
-            by = {"c": -1.0} | {name: float(column[0]) for name, column in columns.items()}
-            own = by.pop(self.of)
-            with np.errstate(all="ignore"):
-                sensitivity = {name: float(np.divide(-value, own)) for name, value in by.items()}
-            step = -sensitivity["c"] * off
-            small = abs(step) < _NEWTON * abs(x)
-            if small or not abs(step) < abs(x):
-                break
-            x += step
+        """Return a root by a step of Newton's method from one close to it; its error is that of the threshold."""
+        computed, names = ask(self.at(x), self.method, self.tight)
+        value = float(computed.value[0])
+        if not names[0] or math.isnan(value):
+            self._no_threshold(x)
+        method = self.method or methods()[names[0]]
+        by = {"c": -1.0} | {name: float(one[0]) for name, one in method.sensitivity(self.at(x)).items()}
+        own = by.pop(self.of)
+        with np.errstate(all="ignore"):
+            sensitivity = {name: float(np.divide(-change, own)) for name, change in by.items()}
+        step = -sensitivity["c"] * (value - self.c)
+        small = abs(step) < _NEWTON * abs(x)
         error = None
         if self.criterion is None:
-            off = float(computed.relative_error[0] * abs(computed.value[0]))
-            if not math.isfinite(off):  # where the threshold is 0 its relative error is nothing
-                beside, _ = ask(self.at(x * (1 + _BESIDE)), self.method, _TIGHTEST)
-                off = float(beside.relative_error[0] * abs(beside.value[0]))
+            off = float(computed.relative_error[0]) * abs(value)
             error = (abs(sensitivity["c"]) * off + step**2 / abs(x)) / abs(x) + _ROUNDING
             error += 0.0 if small else abs(step / x)
             if not error <= self.rtol:

@@ -266,8 +266,7 @@ def _probabilities(
     probability = 0.5 * math.erfc((c - threshold.value) / (whole * math.sqrt(2)))
     if not samples:
         return probability, None
-    errors = standard_errors(threshold.points)
-    names, covariance = ((), np.zeros((0, 0))) if errors is None else (errors.names, errors.covariance[0])
+    names, covariance = standard_errors(threshold.points)
     (method,) = threshold.used.values()
     rng = np.random.default_rng(_SEED)
     off = np.full(samples, np.nan)
@@ -276,7 +275,7 @@ def _probabilities(
         damping = c + spread * rng.standard_normal()
         with suppress(*NO_RESULT):  # where it is no operating point
             points = threshold.points.shifted(dict(zip(names, shift, strict=True)))
-            off[i] = excess(points, damping, None if method.automatic else method)[0]
+            off[i] = excess(points, damping, method if method.criterion else None)
     decided = off[np.abs(off) > 0]  # neither 0 nor NaN
     if not decided.size:
         return probability, Sampled(math.nan, math.nan, 1.0)

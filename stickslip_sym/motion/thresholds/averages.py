@@ -61,9 +61,8 @@ def slope_mean(law: FrictionLaw, criterion: Criterion, V: FloatArray) -> FloatAr
     return -slopes(law)(V) if criterion.weight is None else averages(law, V, criteria=[criterion])[0]
 
 
-def average_changes(criterion: Criterion, points: OperatingPoints, value: FloatArray) -> dict[str, FloatArray]:
+def average_changes(criterion: Criterion, points: OperatingPoints) -> dict[str, FloatArray]:
     """Differentiate the damping by an average of the slope; m and k do nothing to it."""
-    del value
     law, N, V = points.law, points.N, points.V
 
     def changed(name: str) -> FloatArray:

@@ -20,7 +20,6 @@ from stickslip_sym.core.numbers import lookup
 from stickslip_sym.criteria import criterion as criteria
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.compiled import is_compiling
 from stickslip_sym.motion.orbits.expansion import averages, expand, expansion_changes, of_layer
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.orbits.orbit import obstacle, orbits
@@ -35,7 +34,7 @@ _REFERENCE = 1e-8  # relative error of the threshold from which the error of an 
 _TAIL = 0.5  # part of rtol that the tail of an orbit's spectrum may have: its error is a little more than that
 _MANY = 200  # simulated thresholds, for which loading the compiled code is no loss
 _ORBIT_WORK = 3e6  # cubes of grids that collocation may take for one orbit: as much as a simulation
-_BENT = 0.5  # distortion of an orbit up to which collocation is faster than steps
+_BENT = 0.8  # distortion of an orbit up to which collocation is faster than steps
 _COARSE, _RESOLVED = 32, 1e-5  # phases, and the tail that the law may have on them; nor may it pass rtol
 _GUESS = 1e-9  # tolerance of the simulation that says where a proof has to look
 
@@ -56,6 +55,13 @@ class Computed:
     theorems: "Mapping[int, Theorem]" = field(default_factory=dict)
 
 
+def _slip_changes(points: OperatingPoints) -> dict[str, FloatArray]:
+    """Differentiate the gap between both halves of the orbit that grazes the belt's speed, point by point."""
+    found = [grazing_sensitivity(points.law, points.oscillator(row)) for row in range(len(points))]
+    names = (*points.columns, *points.law.parameters)
+    return {name: np.array([one[name] for one in found]) for name in names}
+
+
 @dataclass(frozen=True)
 class Method:
     """How a threshold is computed, and what that needs and costs.
@@ -68,8 +74,9 @@ class Method:
     converges : bool
         Whether it comes as close to the threshold as is asked for. The value of an average is what it is, and its
         error is stated, however large.
-    sensitivity : callable or None
-        From operating points and their thresholds to the derivatives of these, dc/dname, by name.
+    sensitivity : callable
+        From operating points to the derivatives of their thresholds, dc/dname, by name; if not given those of the
+        threshold itself.
     cost : float or callable
         What a threshold takes, about in milliseconds, or that at each operating point for a relative error: "auto"
         asks the cheapest method first, and none that is infinite.
@@ -84,7 +91,7 @@ class Method:
     name: str
     compute: Callable[[OperatingPoints, float], Computed]
     converges: bool = True
-    sensitivity: Callable[[OperatingPoints, FloatArray], Mapping[str, FloatArray]] | None = None
+    sensitivity: Callable[[OperatingPoints], Mapping[str, FloatArray]] = _slip_changes
     cost: float | Callable[[OperatingPoints, float], FloatArray] = 100.0
     criterion: Criterion | None = None
     smooth: bool = False
@@ -112,10 +119,6 @@ class Method:
             raise InputError(f'method="{self.name}" needs the mass m and the stiffness k')
         if self.smooth and (reason := obstacle(law, V)) is not None:
             raise _not_smooth(self.name, reason)
-
-    def costs(self, points: OperatingPoints, rtol: float) -> FloatArray:
-        """Return the cost at each point."""
-        return np.broadcast_to(self.cost(points, rtol) if callable(self.cost) else self.cost, len(points))
 
 
 def _not_smooth(name: str, reason: str) -> InputError:
@@ -253,7 +256,8 @@ def _in_turn(points: OperatingPoints, rtol: float, prove: bool) -> Iterator[tupl
     """
     smooth = obstacle(points.law, points.V) is None
     chosen = [one for one in methods().values() if one.automatic and (smooth or not one.smooth)]
-    for turn in np.argsort([one.costs(points, rtol) for one in chosen], axis=0, kind="stable"):
+    costs = [one.cost(points, rtol) if callable(one.cost) else np.full(len(points), one.cost) for one in chosen]
+    for turn in np.argsort(costs, axis=0, kind="stable"):
         for number, one in enumerate(chosen):
             yield one, turn == number
     if prove:
@@ -323,9 +327,8 @@ def _by_expansion(points: OperatingPoints, rtol: float) -> Computed:
     return Computed(value, np.where(np.isfinite(value) & ~np.isnan(error), error, np.inf))
 
 
-def _expansion_changes(points: OperatingPoints, value: FloatArray) -> dict[str, FloatArray]:
+def _expansion_changes(points: OperatingPoints) -> dict[str, FloatArray]:
     """Differentiate c = N (h + N^2/(k m) s), h and s averages of slopes and of their products."""
-    del value
     law, weak, N, weight = points.law, points.weak, points.N, points.strength**2
     by_inertia = -N * weight * weak.second
 
@@ -344,12 +347,10 @@ def _expansion_changes(points: OperatingPoints, value: FloatArray) -> dict[str, 
 
 
 def _orbit_cost(points: OperatingPoints, rtol: float) -> FloatArray:
-    """Return less than a simulation that is not compiled, for weak friction and a law that few phases resolve."""
-    if len(points) >= _MANY and is_compiling():
-        return np.full(len(points), 10.0)
+    """Return less than a simulation for weak friction and a law that few phases resolve."""
     with np.errstate(all="ignore"):
         resolved = expand(points.law, points.V, grid=_COARSE).tail <= min(rtol, _RESOLVED)
-    return np.where(resolved & (points.weak.distortion(points.strength) <= _BENT), 2.0, 10.0)
+        return np.where(resolved & (points.weak.distortion(points.strength) <= _BENT), 2.0, 10.0)
 
 
 def _by_orbit(points: OperatingPoints, rtol: float) -> Computed:
@@ -388,14 +389,6 @@ def _each(points: OperatingPoints, compute: Callable[[int], tuple[float, float]]
     return Computed(found[0], found[1], refusals)
 
 
-def _slip_changes(points: OperatingPoints, value: FloatArray) -> dict[str, FloatArray]:
-    """Differentiate the gap between both halves of the orbit that grazes the belt's speed, point by point."""
-    del value
-    found = [grazing_sensitivity(points.law, points.oscillator(row)) for row in range(len(points))]
-    names = (*points.columns, *points.law.parameters)
-    return {name: np.array([one[name] for one in found]) for name in names}
-
-
 def _by_proof(points: OperatingPoints, rtol: float) -> Computed:
     """Return the middle of the dampings between which the threshold was proved to lie."""
     from stickslip_sym.motion.thresholds.boxes import ExactPoint
@@ -416,8 +409,8 @@ _table: dict[str, Method] = {
     method.name: method
     for method in (
         Method("second_order", _by_expansion, False, _expansion_changes, cost=1.0, smooth=True),
-        Method("simulation", _by_simulation, True, _slip_changes, cost=5.0, loosest=1e-3),
-        Method("orbit", _by_orbit, True, _slip_changes, cost=_orbit_cost, smooth=True),
-        Method("proof", _by_proof, True, _slip_changes, cost=math.inf, tightest=1e-40, loosest=1e-3),
+        Method("simulation", _by_simulation, cost=5.0, loosest=1e-3),
+        Method("orbit", _by_orbit, cost=_orbit_cost, smooth=True),
+        Method("proof", _by_proof, cost=math.inf, tightest=1e-40, loosest=1e-3),
     )
 }

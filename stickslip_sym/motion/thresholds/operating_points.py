@@ -18,8 +18,8 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.orbits.expansion import Expansion, expand
 
-Quantity: TypeAlias = ArrayLike | UFloat | Sequence[UFloat]
-"""One number or an array of them, as users give it; each may carry a standard error."""
+Quantity: TypeAlias = ArrayLike | UFloat
+"""One number, which may carry a standard error, or an array of them without, as users give it."""
 
 
 @dataclass(frozen=True)
@@ -29,14 +29,14 @@ class OperatingPoints:
     - `columns`: V and N in m/s and N; m and k in kg and N/m where they were given.
     - `shape`: that the broadcast arguments had.
     - `exact`: what was given as text, exactly.
-    - `uncertain`: what carries a standard error, with it: a number for all points, or an array with one for each.
+    - `uncertain`: what carries a standard error, with it: a number for all points.
     """
 
     law: FrictionLaw
     columns: Mapping[str, FloatArray]
     shape: tuple[int, ...]
     exact: Mapping[str, Fraction] = field(default_factory=dict)
-    uncertain: Mapping[str, Any] = field(default_factory=dict)
+    uncertain: Mapping[str, UFloat] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -59,7 +59,7 @@ class OperatingPoints:
             raise InputError("give both the mass m and the stiffness k, or neither")
         arrays, uncertain, exactly = {}, {}, {}
         for name, given in numbers.items():
-            value, error = _split(given, name)
+            value, error = split(given, name)
             if isinstance(value, str):
                 exactly[name] = fraction(value, name)
                 value = float(exactly[name])
@@ -72,12 +72,8 @@ class OperatingPoints:
             shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
             raise InputError(f"the shapes do not broadcast: {shapes}") from None
 
-        def column(values: Any) -> Any:
-            return np.broadcast_to(values, shape).ravel()
-
-        columns = {name: column(array) for name, array in arrays.items()}
-        errors = {name: error if isinstance(error, UFloat) else column(error) for name, error in uncertain.items()}
-        return cls(law, columns, shape, exactly, errors)
+        columns = {name: np.broadcast_to(array, shape).ravel() for name, array in arrays.items()}
+        return cls(law, columns, shape, exactly, uncertain)
 
     def __len__(self) -> int:
         return len(self.V)
@@ -116,8 +112,7 @@ class OperatingPoints:
     def rows(self, chosen: Rows) -> "OperatingPoints":
         """Return some of the points."""
         columns = {name: column[chosen] for name, column in self.columns.items()}
-        errors = {name: one if isinstance(one, UFloat) else one[chosen] for name, one in self.uncertain.items()}
-        return replace(self, columns=columns, shape=columns["V"].shape, uncertain=errors)
+        return replace(self, columns=columns, shape=columns["V"].shape)
 
     def exact_row(self, row: int) -> dict[str, Rational]:
         """Return V, N, m and k of one point exactly: text as the decimal it says, a float as the binary it is."""
@@ -148,19 +143,6 @@ def of_oscillator(osc: Oscillator, numbers: Mapping[str, Any], names: Sequence[s
     if numbers:
         raise InputError(f"{', '.join(numbers)} was given beside an Oscillator, which holds it; give one of both")
     return {name: getattr(osc, name) for name in names}
-
-
-def _split(value: Quantity, name: str) -> tuple[Any, Any]:
-    """Separate numbers from their standard errors, one by one in an array that has any."""
-    array = np.asarray(value, dtype=object) if isinstance(value, list | tuple | np.ndarray) else None
-    if array is None or not any(isinstance(item, UFloat) for item in array.flat):
-        return split(value, name)
-    numbers, errors = np.empty(array.shape), np.empty(array.shape, dtype=object)
-    for place, item in np.ndenumerate(array):
-        number, read = split(item, name)
-        numbers[place] = float(number)
-        errors[place] = float(number) if read is None else read
-    return numbers, errors
 
 
 def _column(name: str, value: ArrayLike) -> FloatArray:

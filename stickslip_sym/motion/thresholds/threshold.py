@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.aliases import FloatArray, Rows
-from stickslip_sym.core.errors import InputError, OutOfTime
+from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.errors import OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.uncertain import with_error
@@ -32,7 +32,6 @@ from stickslip_sym.motion.thresholds.methods import (
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, Quantity
 from stickslip_sym.motion.thresholds.uncertainty import (
     Budget,
-    deserved_tolerance,
     second_order_ratio,
     shaped,
     standard_errors,
@@ -65,15 +64,11 @@ class Threshold:
         The methods that gave them, by name.
     theorems : tuple of Theorem
         With "proof": what was proved at each point, and how.
-    deserved : float, optional
-        The tolerance that "auto" took where none was given and the parameters' uncertainty deserves no less.
     time_limit : float, optional
         Seconds that its derivatives may take, and the second order of its uncertainty.
     """
 
-    reported = (
-        "value", "method", "relative_error", "status", "uncertainty", "nonlinearity", "budget", "deserved",
-    )  # fmt: skip
+    reported = ("value", "method", "relative_error", "status", "uncertainty", "nonlinearity", "budget")
 
     value: Any
     method: Any
@@ -81,7 +76,6 @@ class Threshold:
     points: OperatingPoints = field(repr=False, compare=False)
     used: Mapping[str, Method] = field(repr=False, compare=False)
     theorems: tuple[Theorem, ...] = ()
-    deserved: float | None = None
     time_limit: float | None = field(default=None, repr=False, compare=False)
 
     @cached_property
@@ -90,52 +84,30 @@ class Threshold:
 
         In kg/m for V, s/m for N, 1/s for m, s for k, and kg/s over its unit for a parameter of the law; floats, or
         arrays as `value` is one. It is the derivative of the value that the method gives: that of an average is
-        the average of the derivative, and m and k do nothing to it; for the grazing orbit, which
-        "second_order" approximates, it follows from one linear solve, by simulation and for a proved threshold
-        from the variational equation along the slip. The coefficients of measured points are no parameters.
-
-        Raises
-        ------
-        InputError
-            For a method of one's own without derivatives.
+        the average of the derivative, and m and k do nothing to it; that of "second_order" is exact too. For the
+        threshold itself, by whatever method, it follows from the variational equation along the slip. The
+        coefficients of measured points are no parameters.
         """
-        with self._limited():
-            columns = self._gradient(self.points)
+        columns = self._gradient(self.points)
         return {name: shaped(column, self.points.shape) for name, column in columns.items()}
 
-    @contextmanager
-    def _limited(self) -> Iterator[None]:
-        """Apply the time limit to what is computed of a threshold that is known."""
-        try:
-            with deadline.time_limit(self.time_limit):
-                yield
-        except OutOfTime as stop:
-            known = f"c = {self.value:.10g} kg/s" if np.ndim(self.value) == 0 else "of all points"
-            raise OutOfTime(f"{stop}; the threshold itself is known, {known}") from None
-
-    def _gradient(self, points: OperatingPoints, rows: Rows = slice(None)) -> dict[str, FloatArray]:
-        """Return dc/dname at points that stand for some rows, each by the method that gave the threshold there."""
-        deadline.check_time()
-        method, value = np.ravel(self.method)[rows], np.ravel(self.value)[rows]
-        names = (*points.columns, *points.law.parameters)
+    def _gradient(self, points: OperatingPoints) -> dict[str, FloatArray]:
+        """Return dc/dname at points that stand for its own, each by the method that gave the threshold there."""
+        names, method = (*points.columns, *points.law.parameters), np.ravel(self.method)
         columns: dict[str, FloatArray] = {name: np.empty(len(points)) for name in names}
-        for chosen in np.unique(method).tolist():
-            derivatives = self.used[chosen].sensitivity
-            if derivatives is None:
-                raise InputError(f"how a threshold by {chosen!r} changes is not known; try another method")
-            some = np.flatnonzero(method == chosen)
-            found = derivatives(points.rows(some), value[some])
-            for key, column in columns.items():
-                column[some] = found[key]
+        with deadline.time_limit(self.time_limit):
+            deadline.check_time()
+            for chosen in np.unique(method).tolist():
+                rows = np.flatnonzero(method == chosen)
+                for name, column in self.used[chosen].sensitivity(points.rows(rows)).items():
+                    columns[name][rows] = column
         return columns
 
     @cached_property
     def budget(self) -> Budget | None:
-        """Which standard error brings how much of the threshold's; None without errors, or without derivatives."""
-        errors = standard_errors(self.points)
-        if errors is None or not all(method.sensitivity for method in self.used.values()):
-            return None
-        return Budget.of(errors, self.sensitivity, self.points.shape)
+        """Which standard error brings how much of the threshold's; None without errors."""
+        names, covariance = standard_errors(self.points)
+        return Budget.of(names, covariance, self.sensitivity, self.points.shape) if names else None
 
     @property
     def nonlinearity(self) -> Any:
@@ -148,11 +120,11 @@ class Threshold:
     @cached_property
     def _second_order(self) -> tuple[Any, str]:
         """The ratio of both orders, and why it is not known."""
-        errors, reason = standard_errors(self.points), ""
         ratio: FloatArray = np.ones(len(self.points))
-        if self.budget is not None and errors is not None:
-            with self._limited():
-                ratio, reason = second_order_ratio(self.points, np.ravel(self.value), self._gradient, errors)
+        reason = ""
+        if self.budget is not None:
+            with deadline.time_limit(self.time_limit):
+                ratio, reason = second_order_ratio(self.points, np.ravel(self.value), self._gradient)
         return shaped(ratio, self.points.shape), reason
 
     @property
@@ -250,8 +222,8 @@ def pure_slip_damping(
         Holds V, N, m and k; its c is not used.
     V, N : float or array_like
         Belt speed in m/s and normal force in N. All four quantities broadcast. One number may be text, which
-        "proof" takes exactly: "9.81" is 9.81, and 9.81 the nearest binary number. Each may carry a standard
-        error, as in `law.bind`.
+        "proof" takes exactly: "9.81" is 9.81, and 9.81 the nearest binary number. One number may carry a
+        standard error, as in `law.bind`.
     m, k : float or array_like, optional
         Mass in kg and stiffness in N/m. Without them the error of an average of slopes is not known, unless
         mu is a straight line, which all methods treat exactly.
@@ -263,9 +235,7 @@ def pure_slip_damping(
         criterion of one's own, or "proof", which encloses the threshold, with every error bounded.
     rtol : float, optional
         Relative error that is good enough, 1e-13 to 1; for "simulation" at most 1e-3; for "proof" 1e-40 to 1e-3.
-        If not given 1e-3, or with "auto" a tenth of the relative standard error that the parameters give c, if
-        that is more: no method makes up for what is not known of them. An average is what it is: its error is
-        stated, whatever `rtol`.
+        1e-3 if not given. An average is what it is: its error is stated, whatever `rtol`.
     time_limit : float, optional
         Seconds of computation after which it is given up, and likewise what the result computes when it is asked.
 
@@ -304,11 +274,10 @@ def pure_slip_damping(
     chosen = find_method(method)
     points = OperatingPoints.of(law, osc, V=V, N=N, m=m, k=k)
     law.function("numpy")  # refuses a law with parameters that have no value
-    deserved = deserved_tolerance(points) if rtol is None and chosen is None and points.has_oscillator else 0.0
     if chosen is None and not points.has_oscillator:
         chosen = find_method("equilibrium" if is_straight(law) else "harmonic")
     least, most = (1e-13, 1.0) if chosen is None else (chosen.tightest, chosen.loosest)
-    rtol = read_rtol(max(_ENOUGH, deserved) if rtol is None else rtol, least=least, most=most)
+    rtol = read_rtol(_ENOUGH if rtol is None else rtol, least=least, most=most)
     if len(points):
         warn_where_negative(law, float(points.V.max()))
     with deadline.time_limit(time_limit):
@@ -324,6 +293,5 @@ def pure_slip_damping(
         points,
         {name: table[name] for name in set(names.tolist())},
         tuple(computed.theorems.values()) if len(computed.theorems) == len(points) else (),
-        deserved if deserved > _ENOUGH else None,
         time_limit,
     )

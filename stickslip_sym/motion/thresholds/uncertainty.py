@@ -3,70 +3,29 @@
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 from uncertainties import covariance_matrix
 
-from stickslip_sym.core.aliases import FloatArray, Numbers, ObjectArray
+from stickslip_sym.core.aliases import FloatArray, Numbers
 from stickslip_sym.core.errors import NO_RESULT, InputWarning
 from stickslip_sym.core.uncertain import UFloat
-from stickslip_sym.criteria.criterion import harmonic
-from stickslip_sym.motion.thresholds.averages import average_changes
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 from stickslip_sym.output import markup
 from stickslip_sym.output.tables import table
 
-_PART = 0.1  # of the parameters' standard error, that of the method; and its largest relative error
-_CORRELATED = 1e-9  # a coefficient of correlation below is rounding
 _FAR = np.sqrt(3.0)  # standard errors; the outer nodes of the Gauss rule of three for normal errors
 _SUFFICES = 0.1  # of the first order's standard error, by which the second order's may differ
-_ROUNDING = 1e-12  # of a threshold, a standard error; and of the largest eigenvalue of correlations, another
+_ROUNDING = 1e-12  # of a threshold, a standard error; a correlation; of their largest eigenvalue, another
 
 
-@dataclass(frozen=True)
-class Errors:
-    """The standard errors of some operating points of one law.
-
-    - `names`: of what carries an error.
-    - `covariance`: of all points, shape (1, names, names), or of each.
-    """
-
-    names: tuple[str, ...]
-    covariance: FloatArray
-
-    @property
-    def deviations(self) -> FloatArray:
-        """Standard errors, one row a point."""
-        return np.sqrt(np.diagonal(self.covariance, axis1=1, axis2=2))
-
-    @property
-    def correlated(self) -> list[tuple[str, str, float]]:
-        """The pairs that are correlated, with the largest coefficient that any point has."""
-        size = self.deviations
-        with np.errstate(all="ignore"):
-            r = np.nan_to_num(self.covariance / (size[:, :, None] * size[:, None, :]))
-        largest = np.take_along_axis(r, np.abs(r).argmax(axis=0)[None], axis=0)[0]
-        pairs = combinations(range(len(self.names)), 2)
-        found = [(self.names[i], self.names[j], float(largest[i, j])) for i, j in pairs]
-        return [pair for pair in found if abs(pair[2]) > _CORRELATED]
-
-
-def standard_errors(points: OperatingPoints) -> Errors | None:
-    """Return the covariance of all that carries a standard error at some points; None where nothing does."""
-    carriers: dict[str, UFloat | ObjectArray] = {**points.uncertain, **points.law.uncertain}
-    if not carriers:
-        return None
-    single = all(isinstance(value, UFloat) for value in carriers.values())
-    covariance = np.zeros((1 if single else len(points), len(carriers), len(carriers)))
-    for row, found in enumerate(covariance):
-        values = [value if isinstance(value, UFloat) else value[row] for value in carriers.values()]
-        carrying = [i for i, value in enumerate(values) if isinstance(value, UFloat)]
-        if carrying:
-            found[np.ix_(carrying, carrying)] = covariance_matrix([values[i] for i in carrying])
-    return Errors(tuple(carriers), covariance)
+def standard_errors(points: OperatingPoints) -> tuple[tuple[str, ...], FloatArray]:
+    """Return the names of all that carries a standard error at some points, and the covariance."""
+    carriers: dict[str, UFloat] = {**points.uncertain, **points.law.uncertain}
+    covariance = np.array(covariance_matrix(list(carriers.values())))
+    return tuple(carriers), covariance.reshape(len(carriers), len(carriers))
 
 
 # -- first order -----------------------------------------------------------------------------------
@@ -84,7 +43,7 @@ class Budget:
     ----------
     names : tuple of str
         Largest share first.
-    deviations : mapping of str to float or numpy.ndarray
+    deviations : mapping of str to float
         Standard errors, in SI units.
     alone : mapping of str to float or numpy.ndarray
         What each would do if there were no other, abs(s_i) times its standard error, in kg/s.
@@ -99,39 +58,42 @@ class Budget:
     reported = ("deviations", "alone", "shares", "correlated")
 
     names: tuple[str, ...]
-    deviations: Mapping[str, Any]
+    deviations: Mapping[str, float]
     alone: Mapping[str, Any]
     shares: Mapping[str, Any]
     uncertainty: Any
     correlated: list[tuple[str, str, float]]
 
     @classmethod
-    def of(cls, errors: Errors, sensitivity: Mapping[str, Numbers], shape: tuple[int, ...]) -> "Budget":
+    def of(
+        cls, names: Sequence[str], covariance: FloatArray, sensitivity: Mapping[str, Numbers],
+        shape: tuple[int, ...],
+    ) -> "Budget":  # fmt: skip
         """Return the budget of thresholds with given sensitivities."""
-        s = np.stack([np.ravel(sensitivity[name]) for name in errors.names], axis=1)
-        parts = s * (errors.covariance @ s[:, :, None])[:, :, 0]
-        variance = np.maximum(parts.sum(axis=1), 0.0)
+        s = np.stack([np.ravel(sensitivity[name]) for name in names])
+        parts = s * (covariance @ s)
+        variance = np.maximum(parts.sum(axis=0), 0.0)
         with np.errstate(all="ignore"):
-            shares = np.where(variance[:, None] > 0, parts / variance[:, None], 0.0)
-        sizes = np.broadcast_to(errors.deviations, s.shape)
-        order = np.argsort(-shares.mean(axis=0), kind="stable") if len(s) else np.arange(len(errors.names))
-
-        def columns(values: FloatArray) -> dict[str, Any]:
-            return {errors.names[i]: shaped(values[:, i], shape) for i in order}
-
+            shares = np.where(variance > 0, parts / variance, 0.0)
+        sizes = np.sqrt(np.diagonal(covariance))
+        correlation = covariance / np.outer(sizes, sizes)
+        pairs = [(names[i], names[j], float(correlation[i, j])) for i, j in combinations(range(len(names)), 2)]
+        order = np.argsort(-shares.sum(axis=1), kind="stable").tolist()
         return cls(
-            tuple(errors.names[i] for i in order), columns(sizes), columns(np.abs(s) * sizes), columns(shares),
-            shaped(np.sqrt(variance), shape), errors.correlated,
-        )  # fmt: skip
+            tuple(names[i] for i in order),
+            {names[i]: float(sizes[i]) for i in order},
+            {names[i]: shaped(np.abs(s[i]) * sizes[i], shape) for i in order},
+            {names[i]: shaped(shares[i], shape) for i in order},
+            shaped(np.sqrt(variance), shape),
+            [pair for pair in pairs if abs(pair[2]) > _ROUNDING],
+        )
 
     @property
     def _cells(self) -> tuple[list[str], list[list[str]]]:
         rows = []
         for name in self.names:
             share = _range(100 * np.asarray(self.shares[name]), ".1f")
-            rows.append(
-                [name, _range(self.deviations[name], ".3g"), _range(self.alone[name], ".3g"), f"{share} %"]
-            )
+            rows.append([name, f"{self.deviations[name]:.3g}", _range(self.alone[name], ".3g"), f"{share} %"])
         return ["quantity", "standard error", "alone, kg/s", "share of the variance"], rows
 
     @property
@@ -158,27 +120,11 @@ def _range(values: Numbers, form: str) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def deserved_tolerance(points: OperatingPoints) -> float:
-    """Return the relative error of a method that is small beside what the parameters do to harmonic averages.
-
-    A tenth of the smallest relative standard error of any point, which adds half a percent to it; 0 where nothing
-    carries an error.
-    """
-    errors = standard_errors(points)
-    if errors is None or not len(points):
-        return 0.0
-    nothing = np.zeros(len(points))
-    by = dict.fromkeys(errors.names, nothing) | average_changes(harmonic, points, nothing)
-    with np.errstate(all="ignore"):
-        relative = Budget.of(errors, by, (len(points),)).uncertainty / np.abs(points.N * by["N"])
-    return _PART * min(float(np.nan_to_num(relative, nan=0.0).min()), 1.0)
-
-
 # -- second order ----------------------------------------------------------------------------------
 
 
 def second_order_ratio(
-    points: OperatingPoints, value: FloatArray, gradient: Callable[..., Mapping[str, FloatArray]], errors: Errors
+    points: OperatingPoints, value: FloatArray, gradient: Callable[[OperatingPoints], Mapping[str, FloatArray]]
 ) -> tuple[FloatArray, str]:
     """Return the standard error of thresholds to second order over that to first, and why it is not known.
 
@@ -188,53 +134,32 @@ def second_order_ratio(
     them for n errors, products included.
 
     - `value`: the thresholds; standard errors below their rounding need no second order.
-    - `gradient`: from points, and the rows that they stand for, to the derivatives of their thresholds, by name.
+    - `gradient`: from points to the derivatives of their thresholds, by name.
 
     The ratios are NaN where a quantity off by sqrt(3) standard errors leaves where it may be, or there is no
     threshold.
     """
-    every = np.arange(len(points))
-    parts = [every] if len(errors.covariance) == 1 else every[:, None]
-    try:
-        return np.concatenate([
-            _ratios(points.rows(rows), value[rows], partial(gradient, rows=rows), errors.names, covariance)
-            for rows, covariance in zip(parts, errors.covariance, strict=True)
-        ]), ""  # fmt: skip
-    except NO_RESULT as error:
-        return np.full(len(points), np.nan), str(error)
-
-
-def _ratios(
-    points: OperatingPoints,
-    value: FloatArray,
-    gradient: Callable[..., Mapping[str, FloatArray]],
-    names: Sequence[str],
-    covariance: FloatArray,
-) -> FloatArray:
-    L = _axes(covariance)
+    names, covariance = standard_errors(points)
+    size = np.sqrt(np.diagonal(covariance))
+    eigenvalues, vectors = np.linalg.eigh(covariance / np.outer(size, size))
+    kept = eigenvalues > _ROUNDING * eigenvalues.max()
+    L = size[:, None] * vectors[:, kept] * np.sqrt(eigenvalues[kept])
 
     def slope(shift: FloatArray) -> FloatArray:
         """Return the gradient by x, one column a point."""
         by = gradient(points.shifted(dict(zip(names, shift.tolist(), strict=True))))
         return np.asarray(L.T @ np.stack([by[name] for name in names]))
 
-    a = slope(np.zeros(len(names)))
-    first = second = (a**2).sum(axis=0)
-    if L.shape[1]:
+    try:
+        a = slope(np.zeros(len(names)))
         up, down = (np.array([slope(side * _FAR * axis) for axis in L.T]) for side in (1, -1))
-        h, t = (up - down) / (2 * _FAR), (up + down - 2 * a) / _FAR**2
-        second = np.maximum(first + (h**2).sum(axis=(0, 1)) / 2 + (a * t).sum(axis=(0, 1)), 0.0)
+    except NO_RESULT as error:
+        return np.full(len(points), np.nan), str(error)
+    h, t = (up - down) / (2 * _FAR), (up + down - 2 * a) / _FAR**2
+    first = (a**2).sum(axis=0)
+    second = np.maximum(first + (h**2).sum(axis=(0, 1)) / 2 + (a * t).sum(axis=(0, 1)), 0.0)
     with np.errstate(all="ignore"):
-        return np.where(second > (_ROUNDING * value) ** 2, np.sqrt(second / first), 1.0)
-
-
-def _axes(covariance: FloatArray) -> FloatArray:
-    """Return a matrix L with L L^T = covariance, without columns of zeros."""
-    size = np.sqrt(np.diagonal(covariance))
-    unit = np.where(size > 0, size, 1.0)
-    eigenvalues, vectors = np.linalg.eigh(covariance / np.outer(unit, unit))
-    kept = eigenvalues > _ROUNDING * eigenvalues.max(initial=0.0)
-    return np.asarray(unit[:, None] * vectors[:, kept] * np.sqrt(eigenvalues[kept]))
+        return np.where(second > (_ROUNDING * value) ** 2, np.sqrt(second / first), 1.0), ""
 
 
 def warn_of_ratio(ratio: Numbers, reason: str) -> None:

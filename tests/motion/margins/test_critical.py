@@ -171,7 +171,7 @@ REFUSED = [
     (ss.critical, "mu_x", {"c": 1, "V": 1, "N": 1}, "there is no quantity or parameter 'mu_x'"),
     (ss.critical, "N", {"c": 1, "V": 1, "N": 1}, "N is sought; leave its value out"),
     (ss.critical, "mu_s", {"V": 1, "N": 1}, r"c must be given to find mu_s: c=\.\.\."),
-    (ss.critical, "k", {"c": 1, "V": 1, "N": 1, "method": "harmonic"}, "both the mass m and the stiffness k"),
+    (ss.critical, "k", {"c": 1, "V": 1, "N": 1, "method": "harmonic"}, "does not depend on k"),
     (ss.critical, "k", {"c": 1, "V": 1, "N": 1, "m": 1, "method": "harmonic"}, "does not depend on k"),
     *((ss.critical, "alpha", {"c": 1, "V": 1, "N": 1, "within": within}, "two numbers of one sign, ascending")
       for within in ((2, 1), 5)),

@@ -148,11 +148,9 @@ def test_arrays_each_point_by_its_own_method():
 
 
 def test_a_method_of_ones_own():
-    """Without derivatives what it depends on is not known; `test_extending` has one with them."""
+    """It changes as the threshold does, if it does not say how; `test_extending` has one that does."""
     own = Method("own", lambda points, rtol: Computed(2 * points.N, 0 * points.N))
     law = ss.laws.exponential.typical(mu_s="0.50(2)")
     found = ss.pure_slip_damping(law, **POINT, method=own)
-    assert repr(found).startswith("Threshold: 19.62 kg/s (own")
-    assert (found.budget, found.uncertainty) == (None, None)
-    with pytest.raises(ss.InputError, match=r"'own'.* is not known; try another method"):
-        _ = found.sensitivity
+    assert repr(found).startswith("Threshold: 19.62 +/- 0.17 kg/s")
+    assert found.sensitivity == ss.pure_slip_damping(law, **POINT, method="simulation").sensitivity
