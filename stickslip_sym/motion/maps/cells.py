@@ -157,7 +157,7 @@ class _Decider:
 
     def _needed(self, cell: IntArray, A: FloatArray) -> FloatArray:
         """Return needed damping ratios and their errors, a row for each orbit; NaN where there is none."""
-        found = self._orbits(needed_all, 6, cell, A)
+        found = self._orbits(needed_all, 5, cell, A)
         return np.where(found[:, :1] == Found.ROOT, found[:, 1:3], math.nan)
 
     def cells(self) -> Cells:

@@ -180,22 +180,22 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
     - `tight`: tolerance of the last steps.
     - `by_zeta`: the fields of the wedge by zeta.
 
-    Returns how that ended, the damping ratio, its error, between which ratios it lies, and the slope of the gap.
+    Returns how that ended, the damping ratio, its error, and between which ratios it lies.
     """
     low, high, slope = -math.inf, math.inf, _FALL
     zeta, largest = _harmonic(rise, eta, A)
     reach = 0.1 * max(abs(zeta), largest + abs(push))
     if max(largest, abs(push)) <= 0.1 * ROUNDING * abs(eta):
-        return Found.ROOT, 0.0, 0.0, low, high, slope
+        return Found.ROOT, 0.0, 0.0, low, high
     if not largest < _WILD:
-        return Found.LOST, zeta, math.inf, low, high, slope
+        return Found.LOST, zeta, math.inf, low, high
     rtol = _STIFF if abs(eta) > _STRONG else _COARSE
     before, gap_before, beyond = math.nan, math.nan, False
     for _ in range(_MOST_GAPS):
         coarse = rtol > tight
         value, by, outside, rounding = gap(rise, eta, zeta, push, A, rtol, coarse, 0.0, by_zeta)
         if is_late():
-            return Found.LATE, zeta, math.inf, low, high, slope
+            return Found.LATE, zeta, math.inf, low, high
         beyond = beyond or outside
         if -math.inf < by < 0.0 and coarse:
             slope = by
@@ -206,7 +206,7 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
         elif value <= 0.0:
             high = min(high, zeta)
         else:
-            return Found.LOST, zeta, math.inf, low, high, slope
+            return Found.LOST, zeta, math.inf, low, high
         before, unchanged, gap_before = zeta, abs(value) > _SLOW * abs(gap_before), value
         if not coarse and (abs(value) <= _DONE or (unchanged and abs(value) <= _NEAR and not beyond)):
             loose, _, _, _ = gap(rise, eta, zeta, push, A, _LOOSER * tight, False, 0.0, by_zeta)
@@ -217,16 +217,16 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
             else:  # the gap is no more than what the steps are off
                 off += abs(value)
                 slope = max(slope, _FALL)
-            return Found.ROOT, zeta, off / -slope + _TIGHTEST * largest, low, high, slope
+            return Found.ROOT, zeta, off / -slope + _TIGHTEST * largest, low, high
         if math.isfinite(high - low) and high - low <= ROUNDING * max(abs(low), abs(high)):
             # The gap jumps there, as where the halves pass a jump of mu on one side only, or part by all digits;
             # or the law ends there, and the forward half leaves its table for less damping.
             _, _, outside, _ = gap(rise, eta, low, push, A, rtol, False, 0.0, by_zeta)
             if outside:
-                return Found.BEYOND, zeta, math.inf, low, high, slope
+                return Found.BEYOND, zeta, math.inf, low, high
             error = _spread(rise, eta, push, A, _LOOSER * tight, by_zeta, low, high)
             end = Found.ROOT if error < math.inf else Found.LOST
-            return end, zeta, error + _TIGHTEST * largest, low, high, slope
+            return end, zeta, error + _TIGHTEST * largest, low, high
         if coarse and abs(value) <= _NEAR:
             zeta, rtol, low, high, gap_before = zeta - value / slope, tight, -math.inf, math.inf, math.nan
             continue
@@ -242,8 +242,8 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
             # Coarse steps that fail are taken for a half that creeps to rest; tight ones say that they failed.
             sure, _, _, _ = gap(rise, eta, before, push, A, tight, False, 0.0, by_zeta)
             end = Found.BEYOND if beyond else Found.LOST if math.isnan(sure) else Found.NONE
-            return end, zeta, math.inf, low, high, slope
-    return Found.LOST, zeta, math.inf, low, high, slope
+            return end, zeta, math.inf, low, high
+    return Found.LOST, zeta, math.inf, low, high
 
 
 @compilable
@@ -252,9 +252,8 @@ def needed_all(rise: Any, eta: Any, push: Any, A: Any, tight: float, wedge: Any,
     source = wedge[2]
     by_zeta = (0.0, -2.0, 0.0, source[3], source[4])
     for i in range(len(A)):
-        end, zeta, error, low, high, slope = needed(rise, eta[i], push[i], A[i], tight, by_zeta)
-        found[i, 0], found[i, 1], found[i, 2] = end.value, zeta, error
-        found[i, 3], found[i, 4], found[i, 5] = low, high, slope
+        end, zeta, error, low, high = needed(rise, eta[i], push[i], A[i], tight, by_zeta)
+        found[i, 0], found[i, 1], found[i, 2], found[i, 3], found[i, 4] = end.value, zeta, error, low, high
 
 
 @compilable
@@ -287,8 +286,8 @@ def _spread(
 
 def needed_ratio(
     system: Dimensionless, A: float = 1.0, *, rtol: float = TIGHT, fast: bool = False
-) -> tuple[float, float, float]:
-    """Return the damping ratio that an orbit needs, its error, and the slope of the gap there.
+) -> tuple[float, float]:
+    """Return the damping ratio that an orbit needs, and its error.
 
     - `A`: highest velocity over the belt's; 1 for the slip from P, static excess included.
     - `rtol`: relative error that is wanted.
@@ -306,16 +305,15 @@ def needed_ratio(
     loosest = _STIFF if abs(eta) > _STRONG else TIGHT
     tight = next((steps for steps in (loosest, TIGHT) if steps <= wanted), _TIGHTEST)
     orbit = tuple(np.array([value]) for value in (eta, push, A))
-    how, zeta, error, low, high, slope = system.spread(needed_all, orbit, (tight,), 6, few=0 if fast else 1)[
-        0
-    ].tolist()
+    (row,) = system.spread(needed_all, orbit, (tight,), 5, few=0 if fast else 1).tolist()
+    how, zeta, error, low, high = row
     if how == Found.LATE or is_late():  # then the last gap may be wrong
         raise OutOfTime(
             f"the time limit was reached; the best value so far is c = {2 * zeta:.6g} sqrt(k m), and c lies "
             f"between {2 * low:.6g} and {2 * high:.6g} times sqrt(k m)"
         )
     if how == Found.ROOT:
-        return zeta, error, slope
+        return zeta, error
     if how == Found.BEYOND:
         raise system.unmeasured(system.w_max)
     place = f"at eta = {eta:g} and V = {system.V:g} m/s"

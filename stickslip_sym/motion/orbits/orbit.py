@@ -99,13 +99,12 @@ def _measured(law: FrictionLaw, orbit: "_Orbit", tail: float, everything: float)
     return d, error, scale, float(g.mean()) - orbit.d, float(orbit.velocity.min())
 
 
-def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0, *, jump: bool = True) -> str | None:
+def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0) -> str | None:
     """Say why slip orbits of a law are not smooth at belt speeds V, or return None.
 
     - `lowest`: the lowest velocity of the orbits over the belt speed.
-    - `jump`: whether a static coefficient matters, as it does where orbits touch the belt's speed.
     """
-    if jump and law.static is not None:
+    if law.static is not None:
         static, onset = law.static_value, law.onset
         if static > onset:
             return f"its static coefficient {static:g} lies above mu(0+) = {onset:g}"

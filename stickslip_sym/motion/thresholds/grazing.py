@@ -35,7 +35,7 @@ def grazing_damping(law: FrictionLaw, osc: Oscillator, *, rtol: float, fast: boo
 
     The damping is negative where the slip does not return without any. Raises as `needed_ratio`.
     """
-    zeta, error, _ = needed_ratio(Dimensionless.of(law, osc), rtol=rtol, fast=fast)
+    zeta, error = needed_ratio(Dimensionless.of(law, osc), rtol=rtol, fast=fast)
     relative = 0.0 if error == 0.0 else error / abs(zeta) if zeta else math.inf
     return 2 * zeta * osc.impedance, relative
 
@@ -46,7 +46,7 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     Raises as `needed_ratio`, and `NotConverged` where the halves do not meet within rounding.
     """
     system = Dimensionless.of(law, osc)
-    zeta, error, _ = needed_ratio(system)
+    zeta, error = needed_ratio(system)
     rise, eta, V, push = system.rise, system.eta, osc.V, system.push(1)
     damped, wedge = replace(system, zeta=zeta + error), by_zeta(system)
     highest = damped.slip(0.0, 0.0, until=End.MAXIMUM).w
