@@ -23,7 +23,7 @@ from stickslip_sym.core.uncertain import UFloat, separated, spread
 from stickslip_sym.model import at_rest
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.pieces import kinks_at
-from stickslip_sym.model.expression.reading import as_text, read_formula, read_static
+from stickslip_sym.model.expression.reading import as_text, read_formula
 from stickslip_sym.model.expression.units import check_units
 from stickslip_sym.model.measured.measurements import Measurements, read_measurements
 from stickslip_sym.model.samples import SampledCurve
@@ -110,7 +110,8 @@ class FrictionLaw:
 
     def _read_static(self, static: str | float | Expr | None, table: dict[str, Parameter]) -> None:
         self._static_formula = None if static is None else as_text(static)
-        self.static: Expr | None = None if static is None else read_static(as_text(static), table)
+        formula = self._static_formula
+        self.static: Expr | None = None if formula is None else read_formula(formula, table, constant=True)
 
     def _take(self, table: Mapping[str, Parameter], described: Iterable[str]) -> None:
         """Keep the parameters that occur, with their values; refuse others that are described, and wrong units."""

@@ -66,7 +66,7 @@ def as_text(formula: object) -> str:
 def read_formula(formula: str, table: dict[str, Parameter], *, constant: bool = False) -> Expr:
     """Read a coefficient; parameters that it uses and `table`, of those described, does not have are added there.
 
-    A static coefficient is `constant`: it needs no v.
+    A static coefficient is `constant`: it may not depend on v.
     """
     names: set[str] = set()
     undescribed: list[str] = []
@@ -84,16 +84,10 @@ def read_formula(formula: str, table: dict[str, Parameter], *, constant: bool = 
     expr = parse_expression(formula, symbol)
     _check_value(expr)
     expr = normal_form(expr)
+    if constant and expr.has(symbols.v):
+        raise InputError("the static coefficient is one number; it cannot depend on v")
     _check_speed(undescribed, has_v=constant or "v" in names, bare=expr.is_Symbol)
     return expr
-
-
-def read_static(static: str, table: dict[str, Parameter]) -> Expr:
-    """Read a static coefficient, as `read_formula` reads a coefficient; it does not depend on v."""
-    read = read_formula(static, table, constant=True)
-    if read.has(symbols.v):
-        raise InputError("the static coefficient is one number; it cannot depend on v")
-    return read
 
 
 # -- what later algebra can hold -------------------------------------------------------------------

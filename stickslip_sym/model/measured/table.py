@@ -241,7 +241,8 @@ def _fill(table: Table, rows: Sequence[tuple[int, list[str]]], header: list[str]
             i, reason = wrong[0], "without a number"
             column, got = f"{i + 1}" + (f", {table.columns[read[i]].text!r}" if i in read else ""), row[i][:40]
             rule = "a finite number is needed, like 0.35, without a sign between thousands"
-        if _names(text, separator) != header and any(is_header(_names(text, mark)) for mark in SEPARATORS):
+        other = not any(map(_is_number, row)) and _names(text, separator) != header
+        if other and any(is_header(_names(text, mark)) for mark in SEPARATORS):
             raise InputError(
                 f"{table.name}, line {line}: another header, {text[:60]!r}, begins a second table; save each as a "
                 "file of its own"
