@@ -5,7 +5,7 @@ functions) knows one kind of kink only, one in a term, and knows exactly where i
 """
 
 from collections.abc import Mapping, Sequence
-from functools import lru_cache, reduce
+from functools import reduce
 from itertools import pairwise
 from typing import NamedTuple, TypeAlias
 
@@ -141,14 +141,7 @@ def branch_from(expr: Expr, values: Mapping[Expr, Expr], start: Expr) -> Expr:
     `values` are those of the parameters, whose symbols stay. Conditions read v < place, so the piece that holds at
     the speed holds above.
     """
-    if not expr.has(sp.Piecewise):
-        return expr
-    return _branch(expr, frozenset({**values, symbols.v: start}.items()))
-
-
-@lru_cache(maxsize=1024)  # enclosures take each piece of a law of many again and again
-def _branch(expr: Expr, point: frozenset[tuple[Expr, Expr]]) -> Expr:
-    return chosen(expr, dict(point))
+    return chosen(expr, {**values, symbols.v: start}) if expr.has(sp.Piecewise) else expr
 
 
 # -- conditions ------------------------------------------------------------------------------------
