@@ -151,7 +151,7 @@ class Branches:
     def __call__(self, r: Numbers) -> Numbers:
         """Return F at a float or at each element of a flat array, as far as r^power stays within range."""
         if isinstance(r, float):
-            return value_of(self.branches[bisect_right(self.starts, r) - 1], r)
+            return value_of(self.at(r), r)
         first, last = (bisect_right(self.starts, float(end)) - 1 for end in (r.min(), r.max()))
         if first == last:
             return value_of(self.branches[first], r)
@@ -172,15 +172,9 @@ class Branches:
                 result[here] = value_of(branch, r.take(here))
         return result
 
-    def apart(self, r: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return G and the power of r at each element of a flat array."""
-        which = np.searchsorted(self.starts, r, side="right") - 1
-        values, powers = np.empty_like(r), np.empty_like(r)
-        for i in np.unique(which):
-            here = np.flatnonzero(which == i)
-            values[here] = self.branches[i](r[here])
-            powers[here] = self.branches[i].power
-        return values, powers
+    def at(self, r: float) -> Branch:
+        """Return the branch at a float."""
+        return self.branches[bisect_right(self.starts, r) - 1]
 
 
 def value_of(branch: Branch, r: Numbers) -> Numbers:

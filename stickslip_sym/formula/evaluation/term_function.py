@@ -5,24 +5,27 @@ The powers of the arguments stand before the branches, so that nothing over- or 
 
 import math
 from collections.abc import Callable, Sequence
+from functools import reduce
+from operator import mul
 
 import numpy as np
 import sympy as sp
+from flint import arb
 
-from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, Numbers
+from stickslip_sym.core.aliases import BoolArray, Expr, Numbers
 from stickslip_sym.core.errors import InputError, NoClosedForm
 from stickslip_sym.core.lambdify import function_of, power_of
+from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.average import average_of
 from stickslip_sym.formula.evaluation.branches import Branches, alike
 from stickslip_sym.formula.evaluation.making import branches_of
-from stickslip_sym.formula.evaluation.values import reach_of
+from stickslip_sym.formula.evaluation.values import BITS, reach_of
 from stickslip_sym.model.terms import Term
 
 _BITS = 900.0  # binary exponents that no product may pass, lest something overflows on the way
 _CANCELLED = 4.0  # the sum of the sizes in a factor over the size of their sum, from where balls are asked
 _WORTH_BRANCHES = 8  # values with the same shapes, from where their branches are made
-_LARGEST = 4000  # binary exponents beyond this are clipped: the value is 0 or infinite
 
 
 def _factors(expr: Expr) -> tuple[float, dict[Expr, float]]:
@@ -145,11 +148,13 @@ class TermFunction:
         unsafe = _outside(factors, largest)
         if unsafe is False:
             return self._plain(branches, *factors)
-        arrays = [np.broadcast_to(np.asarray(factor), count or 1) for factor in factors]
+        if not count:
+            return self._apart(branches, *map(float, factors))
+        arrays = [np.broadcast_to(np.asarray(factor), count) for factor in factors]
         result = np.array(self._plain(branches, *arrays))
-        here = np.flatnonzero(np.broadcast_to(unsafe, count or 1))
-        result[here] = self._apart(branches, *(array[here] for array in arrays))
-        return result if count else float(result[0])
+        for i in np.flatnonzero(np.broadcast_to(unsafe, count)):
+            result[i] = self._apart(branches, *(float(array[i]) for array in arrays))
+        return result
 
     def _with_largest(self, branches: Branches | None) -> tuple[Branches | None, float]:
         """Return the size that V, N and the bases may have so that no product of their powers overflows."""
@@ -170,19 +175,16 @@ class TermFunction:
                 amplitude = amplitude * power_of(base, a)
         return branches(speed * factor) * (amplitude * force)
 
-    def _apart(self, branches: Branches, speed: FloatArray, force: FloatArray, *bases: FloatArray) -> FloatArray:
-        """Multiply with mantissas and exponents apart: nothing over- or underflows on the way."""
-        ratio = [(speed, 1.0), *zip(bases, self.ratio, strict=True)]
-        r = _scaled_product(np.full(speed.size, 1 / self.size), ratio)
-        good = np.isfinite(r)
-        values, powers = branches.apart(r[good])
-        factors: list[tuple[FloatArray, float | FloatArray]] = [(force[good], 1.0), (speed[good], powers)]
-        factors += [
-            (base[good], a + powers * e) for base, a, e in zip(bases, self.amplitude, self.ratio, strict=True)
-        ]
-        result = np.full(speed.size, np.nan)
-        result[good] = _scaled_product(self.number * (values * self.size**-powers), factors)
-        return result
+    def _apart(self, branches: Branches, speed: float, force: float, *bases: float) -> float:
+        """Multiply in balls, whose exponents have no range to leave; NaN where 0 is raised to a negative power."""
+        with working_precision(BITS):
+            numbers = [arb(base) for base in bases]
+            r = reduce(mul, map(pow, numbers, map(arb, self.ratio)), arb(speed) / arb(self.size))
+            if not r.is_finite():
+                return math.nan
+            branch = branches.at(float(r))
+            start = arb(float(branch(float(r)))) * r ** arb(branch.power) * arb(self.number) * arb(force)
+            return float(reduce(mul, map(pow, numbers, map(arb, self.amplitude)), start))
 
 
 def count_of(values: Sequence[Numbers]) -> int:
@@ -204,23 +206,3 @@ def _outside(values: Sequence[Numbers], largest: float) -> BoolArray | bool:
             outside = ~((np.abs(value) > smallest) & (np.abs(value) < largest))
             result = result | outside if outside.any() else result
     return result
-
-
-def _scaled_product(start: FloatArray, factors: Sequence[tuple[FloatArray, float | FloatArray]]) -> FloatArray:
-    """Multiply an array and powers of arrays, with mantissas and exponents apart.
-
-    An element is NaN where 0 is raised to a negative power.
-    """
-    mantissa, whole = np.frexp(start)
-    binary = whole.astype(np.float64)
-    for value, exponent in factors:
-        part, shift = np.frexp(value)
-        with np.errstate(all="ignore"):
-            power = np.sign(part) ** exponent * np.abs(part) ** exponent
-        at_zero = np.select([np.asarray(exponent) > 0, np.asarray(exponent) < 0], [0.0, np.nan], 1.0)
-        power = np.where(part == 0, at_zero, power)
-        floor = np.floor(shift * exponent)
-        mantissa, carry = np.frexp(mantissa * power * np.exp2(shift * exponent - floor))
-        binary = binary + floor + carry
-    with np.errstate(over="ignore", under="ignore"):
-        return np.asarray(np.ldexp(mantissa, np.clip(binary, -_LARGEST, _LARGEST).astype(np.int32)))
