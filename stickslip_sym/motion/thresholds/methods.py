@@ -30,13 +30,12 @@ from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 if TYPE_CHECKING:
     from stickslip_sym.motion.thresholds.theorem import Theorem
 
-_REFERENCE = 1e-8  # relative error of the threshold from which the error of an average is taken
 _TAIL = 0.5  # part of rtol that the tail of an orbit's spectrum may have: its error is a little more than that
 _MANY = 200  # simulated thresholds, for which loading the compiled code is no loss
 _ORBIT_WORK = 3e6  # cubes of grids that collocation may take for one orbit: as much as a simulation
 _BENT = 0.8  # distortion of an orbit up to which collocation is faster than steps
 _COARSE, _RESOLVED = 32, 1e-5  # phases, and the tail that the law may have on them; nor may it pass rtol
-_GUESS = 1e-9  # tolerance of the simulation that says where a proof has to look
+_REFERENCE = 1e-9  # of a threshold that gives the error of an average, or says where a proof has to look
 
 
 @dataclass(frozen=True)
@@ -109,12 +108,7 @@ class Method:
         return self.criterion is None
 
     def check(self, law: FrictionLaw, V: ArrayLike, has_oscillator: bool) -> None:
-        """Refuse operating points without m and k, or a law that is not smooth, where they are needed.
-
-        Raises
-        ------
-        InputError
-        """
+        """Refuse operating points without m and k, or a law that is not smooth, where they are needed."""
         if self.oscillator and not has_oscillator:
             raise InputError(f'method="{self.name}" needs the mass m and the stiffness k')
         if self.smooth and (reason := obstacle(law, V)) is not None:
@@ -129,13 +123,7 @@ def _not_smooth(name: str, reason: str) -> InputError:
 
 
 def add_method(method: Method) -> None:
-    """Put a method at the end of the table, so that it is known by its name.
-
-    Raises
-    ------
-    InputError
-        If there is one of that name.
-    """
+    """Put a method at the end of the table, so that it is known by its name, unless there is one of that name."""
     if method.name in methods() or method.name == "auto":
         raise InputError(f"there is a method {method.name!r} already; give the new one another name")
     _table[method.name] = method
@@ -147,13 +135,7 @@ def methods() -> dict[str, Method]:
 
 
 def find_method(method: "str | Criterion | Method") -> Method | None:
-    """Return a method; None for "auto".
-
-    Raises
-    ------
-    InputError
-        If there is none of that name.
-    """
+    """Return a method; None for "auto". A name that is none is refused."""
     if isinstance(method, Method):
         return method
     if isinstance(method, Criterion):
@@ -168,16 +150,8 @@ def find_method(method: "str | Criterion | Method") -> Method | None:
 def good_enough(points: OperatingPoints, method: Method | None, rtol: float) -> tuple[Computed, ObjectArray]:
     """Return thresholds by a method, or by the cheapest for None, and the names of their methods.
 
-    Their errors are at most `rtol` if the method converges, and stated if not.
-
-    Raises
-    ------
-    InputError
-        For a law that is not smooth, where the method needs one.
-    NoThreshold, NotConverged
-        If `rtol` is not reached at some point; the message holds the best value.
-    OutOfTime
-        With the best value so far.
+    Their errors are at most `rtol` if the method converges, and stated if not. Where `rtol` is not reached, or
+    time is up, the message holds the best value.
     """
     if method is not None:
         method.check(points.law, points.V, points.has_oscillator)
@@ -397,7 +371,7 @@ def _by_proof(points: OperatingPoints, rtol: float) -> Computed:
     theorems = {}
 
     def proved(row: int) -> tuple[float, float]:
-        guess = grazing_damping(points.law, points.oscillator(row), rtol=_GUESS)
+        guess = grazing_damping(points.law, points.oscillator(row), rtol=_REFERENCE)
         theorems[row] = prove_threshold(ExactPoint(points.law, **points.exact_row(row)), *guess, rtol)
         enclosure = theorems[row].enclosure
         return float(enclosure), float(enclosure.radius / abs(enclosure.mid))
