@@ -25,7 +25,7 @@ from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.orbits.needed import SIGNS, sure_gap
+from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, sure_gap
 from stickslip_sym.motion.roots import closest, sign_changes
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.thresholds.averages import slope_mean
@@ -42,12 +42,10 @@ _WEAKEST, _STRONGEST = 1e-3, 1e2  # N/(V sqrt(k m)) between which V, N, m and k 
 _AROUND = 100.0  # factor above and below a parameter's value within which it is sought
 _NEAR = 0.5  # relative distance of a harmonic average from c, within which a quantity is sought in any case
 _SHARE = 0.4  # of the last measured speed, up to which belt speeds are sought: motions slip at a little over 2 V
-_LOOSE = 1e-6  # relative error of a threshold by a method that does not converge
 _FINER, _TIGHTEST = 1e-3, 1e-12  # of rtol, the relative error of a threshold at a root; and the smallest
 _CLOSE = 1e-9  # tolerance of a root, relative, which a Newton step with the exact slope then refines
 _DIP = 1e-5  # relative distance from an extremum of the threshold at which it is taken
 _NEWTON = 1e-6  # relative size of that step, up to which it is the last
-_ROUNDING = float(4 * np.finfo(np.float64).eps)  # relative, of a root
 _HALVINGS = 8  # bisections of an interval of the grid, for the last value at which mu is known at all speeds
 
 
@@ -192,7 +190,7 @@ def excess(points: OperatingPoints, c: float, method: Method | None) -> float:
     if method is not None and method.criterion is not None:
         return float(points.N[0] * slope_mean(points.law, method.criterion, points.V)[0]) - c
     if method is not None and not method.converges:
-        found, _ = ask(points, method, _LOOSE)
+        found, _ = ask(points, method, _CLOSE)
         return float(found.value[0]) - c if np.isfinite(found.relative_error[0]) else math.nan
     try:
         system = Dimensionless.of(points.law, points.oscillator(0, c))
@@ -371,7 +369,7 @@ class _Search:
         error = None
         if self.criterion is None:
             off = float(computed.relative_error[0]) * abs(value)
-            error = (abs(sensitivity["c"]) * off + step**2 / abs(x)) / abs(x) + _ROUNDING
+            error = (abs(sensitivity["c"]) * off + step**2 / abs(x)) / abs(x) + ROUNDING
             error += 0.0 if small else abs(step / x)
             if not error <= self.rtol:
                 raise NotConverged(

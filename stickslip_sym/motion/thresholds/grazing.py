@@ -22,8 +22,7 @@ from stickslip_sym.motion.steps import TIGHT, End
 from stickslip_sym.motion.table import FrictionTable, Pieces
 
 _BEYOND = 1.5  # times the highest slip speed, up to which a derivative of the law is tabulated: steps try further
-_TOUCHED = 1e-8  # relative distance of the highest slip speed from one at which mu jumps
-_SAME = 1e-12  # relative distance of two places of a kink that are one
+_SAME = 1e-8  # relative distance of two slip speeds that are one, as the highest and one at which mu jumps
 
 
 def grazing_damping(law: FrictionLaw, osc: Oscillator, *, rtol: float, fast: bool = False) -> tuple[float, float]:
@@ -50,7 +49,7 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     rise, eta, V, push = system.rise, system.eta, osc.V, system.push(1)
     damped, wedge = replace(system, zeta=zeta + error), by_zeta(system)
     highest = damped.slip(0.0, 0.0, until=End.MAXIMUM).w
-    near = [i for i, w in enumerate(rise.levels[:-1]) if rise.jumps[i] and abs(w - highest) <= _TOUCHED * w]
+    near = [i for i, w in enumerate(rise.levels[:-1]) if rise.jumps[i] and abs(w - highest) <= _SAME * w]
     parted = bool(near) and abs(gap(rise, eta, zeta, push, 1.0, TIGHT, False, 0.0, tuple(wedge))[0]) > PARTED
 
     def derivative(source: Wedge) -> float:
