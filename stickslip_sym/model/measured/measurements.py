@@ -164,10 +164,11 @@ def read_measurements(
     r"""Return the friction measurements in a text file of columns, as instruments write them.
 
     Commas, semicolons, tabs, bars or blanks part the columns; the decimal sign is a point or a comma. A header
-    just above the rows names them, in any of the usual words, with units behind the names: a speed, ``v [mm/s]``,
-    and a coefficient, ``mu``, or forces, ``F_t [N]`` and ``F_n [N]``; a standard deviation, ``sigma``, if there is
-    one. Other columns are left out. Without a header there are two columns, v in m/s and mu. Lines that begin with
-    # or % are comments. Rows may come in any order; speeds and forces may have both signs, which are folded.
+    just above the rows names them, in any of the usual words, with units behind the names or in a row below them:
+    a speed, ``v [mm/s]``, and a coefficient, ``mu``, or forces, ``F_t [N]`` and ``F_n [N]``; a standard deviation,
+    ``sigma``, if there is one. Other columns are left out. Without a header there are two columns, v in m/s and
+    mu. Lines that begin with # or % are comments. Rows may come in any order; speeds and forces may have both
+    signs, which are folded.
 
     Parameters
     ----------

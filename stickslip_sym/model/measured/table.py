@@ -15,7 +15,7 @@ import numpy as np
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.model.measured.columns import EXPECTED, Column, choose_columns, is_header
+from stickslip_sym.model.measured.columns import EXPECTED, Column, choose_columns, is_header, read_unit
 
 SEPARATORS = "\t;|, "
 """What separates columns, by preference: a comma may also be a decimal sign, and blanks may stand in a name."""
@@ -169,8 +169,9 @@ def _layout(
     """Return what separates columns, the cells of the header, where it stands, and the rows.
 
     A header names a speed and friction, also in a comment, and has a row of numbers below it, where blanks part
-    them as many as there are names; anything else that looks like one is refused. Where the user chose the columns
-    it may have any names, and is the last line as wide as the first row that has nothing but numbers.
+    them as many as there are names; a row of units may stand between. Anything else that looks like a header is
+    refused. Where the user chose the columns it may have any names, and is the last line as wide as the first row
+    that has nothing but numbers.
     """
     rows = [line for line in lines if not line.comment]
     for i, line in enumerate(lines[:_LOOKED_AT]):
@@ -183,6 +184,13 @@ def _layout(
         if named and not below:
             raise InputError(f"{name} has no points below line {line.number}; write a line for each")
         for mark in named:
+            units = [cell.strip("[]() ") for cell in first[mark]]
+            if len(units) == len(cells[mark]) and any(map(read_unit, units)) and not any(map(_is_number, units)):
+                cells[mark] = [
+                    f"{cell} [{unit}]" if unit else cell for cell, unit in zip(cells[mark], units, strict=True)
+                ]
+                start += 1
+                first[mark] = _names(rows[start].text, mark) if start < len(rows) else []
             fits = len(first[mark]) == len(cells[mark]) if mark == " " else len(first[mark]) > 1
             if fits and any(map(_is_number, first[mark])):
                 return mark, cells[mark], where, rows[start:]
@@ -197,7 +205,9 @@ def _layout(
             mark, count = numbers[0], len(cells[numbers[0]])
             wide = [one for one in lines[:i] if len(_names(one.text, mark)) == count]
             header = _names(wide[-1].text, mark) if wide else []
-            if any(map(_is_number, header)) or (below and len(first[mark]) != count):
+            above = [list(map(_is_number, _names(one.text, mark))) for one in rows[: start - 1]]
+            rowlike = any(2 * sum(numeric) > len(numeric) for numeric in above)
+            if rowlike or any(map(_is_number, header)) or (below and len(first[mark]) != count):
                 break
             if chosen and wide:
                 return mark, header, f"{name}, line {wide[-1].number}", rows[start - 1 :]
