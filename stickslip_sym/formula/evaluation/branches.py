@@ -64,11 +64,6 @@ class Sum:
     parts: tuple[tuple[Expr | None, tuple[float, ...]], ...]
 
     @cached_property
-    def is_light(self) -> bool:
-        """Whether G costs less than picking elements out of an array and putting them back."""
-        return all(function is None or isinstance(function, sp.exp) for function, _ in self.parts)
-
-    @cached_property
     def _functions(self) -> list[Callable[[Numbers], Numbers] | None]:
         return [None if f is None else alike(function_of([symbols.V], f, "numpy"), f) for f, _ in self.parts]
 
@@ -96,7 +91,6 @@ class Table:
 
     rows: FloatArray
     power = 0.0
-    is_light = False
 
     @cached_property
     def _lists(self) -> list[list[float]]:
@@ -155,20 +149,10 @@ class Branches:
         first, last = (bisect_right(self.starts, float(end)) - 1 for end in (r.min(), r.max()))
         if first == last:
             return value_of(self.branches[first], r)
-        edges = [-np.inf, *self.starts[first + 1 : last + 1], np.inf]
-        below = [0, *(int(np.count_nonzero(r < edge)) for edge in edges[1:-1]), r.size]
-        counts = [high - low for low, high in pairwise(below)]
-        common = max(range(len(counts)), key=counts.__getitem__)
-        if self.branches[first + common].is_light:
-            # For all, without copies; the others, where it may overflow, are put right.
-            with np.errstate(all="ignore"):
-                result = np.asarray(value_of(self.branches[first + common], r))
-            counts[common] = 0
-        else:
-            result = np.empty_like(r)
-        for branch, low, high, count in zip(self.branches[first:], edges, edges[1:], counts, strict=False):
-            if count:
-                here = np.flatnonzero((r >= low) & (r < high))
+        edges, result = [-np.inf, *self.starts[first + 1 : last + 1], np.inf], np.empty_like(r)
+        for branch, (low, high) in zip(self.branches[first:], pairwise(edges), strict=False):
+            here = np.flatnonzero((r >= low) & (r < high))
+            if here.size:
                 result[here] = value_of(branch, r.take(here))
         return result
 
