@@ -105,21 +105,9 @@ def halves(
     if end == End.MAXIMUM:
         wedge_there = (wanted, D_f, source)
         end, more, q_f, w_f, r_f, D_f, _, _, _ = follow(
-            rise,
-            eta,
-            zeta,
-            push,
-            1.0,
-            q_f,
-            w_f,
-            horizon,
-            rtol,
-            End.LEVEL.value,
-            1.0,
-            _MOST_STEPS,
-            wedge_there,
+            rise, eta, zeta, push, 1.0, q_f, w_f, horizon, rtol, End.LEVEL.value, 1.0, _MOST_STEPS, wedge_there,
             False,
-        )
+        )  # fmt: skip
         tau += more
     stopped = (End.STEPS, End.FAILED, End.LATE)
     way = 1 if end == End.LEVEL else -1 if end == End.OUTSIDE else -2 if end in stopped else 0
