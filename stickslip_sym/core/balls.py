@@ -119,8 +119,7 @@ class _Balls:
         if node.is_Add or node.is_Mul or (node.is_Pow and len(balls) == 2):
             return acb(_BALLS._applied(node, map(_BALLS._moving, balls))(_NOWHERE, False))
         if isinstance(node, sp.Min | sp.Max):
-            extreme = arb.min if isinstance(node, sp.Min) else arb.max
-            return acb(reduce(extreme, [part.real for part in balls]))
+            return acb(reduce(arb.min if isinstance(node, sp.Min) else arb.max, [part.real for part in balls]))
         value = _NOWHERE
         if isinstance(node, sp.hyper):
             top = len(node.args[0])
@@ -166,9 +165,7 @@ class _Balls:
 
     def apply(self, function: Function, arguments: list[Any], analytic: bool) -> Any:
         """Return the value of a function of the table."""
-        if function.ball is None:
-            raise _not_enclosed(function.kind)
-        return _NOWHERE if analytic and function.cut(*arguments) else function.ball(*arguments)
+        return _NOWHERE if analytic and function.cut(*arguments) else cast(Any, function.ball)(*arguments)
 
 
 class _Series(_Balls):

@@ -88,12 +88,7 @@ class SlopeAverage:
         return tuple(dict.fromkeys(relation for relation in relations if relation != sp.true))
 
     def require(self, values: Mapping[str, Any]) -> None:
-        """Refuse missing and unknown arguments, and values for which the criterion does not exist.
-
-        Raises
-        ------
-        InputError
-        """
+        """Refuse missing and unknown arguments, and values for which the criterion does not exist."""
         if values.keys() != self.arguments.keys():
             for name in values:
                 if name not in self.arguments:
@@ -209,10 +204,7 @@ class SlopeAverage:
     def _of_floats(self, values: Sequence[Numbers]) -> Numbers:
         """Evaluate at floats, or at floats and flat arrays of one length.
 
-        Raises
-        ------
-        InputError
-            For a value beyond the range of float64, or a speed for which the law is needed where it ends.
+        A value beyond the range of float64 is refused, and a speed for which the law is needed where it ends.
         """
         with np.errstate(all="ignore"):
             total = self._total(values)

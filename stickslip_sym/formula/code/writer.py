@@ -30,10 +30,7 @@ if TYPE_CHECKING:
 def code(criteria: Mapping[str, tuple["SlopeAverage", str]], language: str) -> str:
     """Return criteria by their names, each with words about it, as text of a language of the table.
 
-    Raises
-    ------
-    InputError
-        If there is no such language, or it lacks a function, or a profile's shape has no value.
+    A language that is not there or lacks a function is refused, and so is a profile's shape without a value.
     """
     writer = _Writer(lookup("language", language, LANGUAGES))
     for name, (average, about) in criteria.items():
@@ -42,12 +39,7 @@ def code(criteria: Mapping[str, tuple["SlopeAverage", str]], language: str) -> s
 
 
 def require_shapes(law: FrictionLaw) -> None:
-    """Refuse a law whose profiles have shapes without values, for their branches cannot be written as code.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse a law whose profiles have shapes without values, for their branches cannot be written as code."""
     missing = sorted(str(symbol) for symbol in _in_shapes(law) if str(symbol) not in law.values)
     if missing:
         raise InputError(
@@ -64,13 +56,7 @@ def _in_shapes(law: FrictionLaw) -> set[Expr]:
 
 
 def text_of(expr: Expr, names: Mapping[Expr, str], language: Language) -> str:
-    """Return an expression in a language.
-
-    Raises
-    ------
-    InputError
-        For a function that the language has not.
-    """
+    """Return an expression in a language; a function that the language has not is refused."""
     return str(_Printer(language, names).doprint(expr))
 
 

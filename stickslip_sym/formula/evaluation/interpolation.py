@@ -9,11 +9,7 @@ from flint import arb, arb_mat, arb_poly
 class Interpolation:
     """Polynomials through values at nodes in [-1, 1], as sums of Chebyshev's.
 
-    Attributes
-    ----------
-    nodes : list of arb
-    weights : list of arb
-        Of the quadrature rule with these nodes; none for Chebyshev's.
+    The weights are those of the quadrature rule with these nodes; there are none for Chebyshev's.
     """
 
     def __init__(self, nodes: Sequence[arb], weights: Sequence[arb] = ()) -> None:

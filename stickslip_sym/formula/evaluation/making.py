@@ -57,17 +57,9 @@ _MODERATE = 8
 def branches_of(
     profile: Expr, criterion: Criterion, closed: Expr | None = None, shapes: tuple[tuple[Expr, Expr], ...] = ()
 ) -> Branches | None:
-    """Return the branches of F for a profile; None if there are none.
+    """Return the branches of F for a profile g(v) at values of all its shapes; None if there are none.
 
-    Parameters
-    ----------
-    profile : sympy.Expr
-        g in the symbol v, and in shapes.
-    criterion : Criterion
-    closed : sympy.Expr, optional
-        F in the symbol V and the shapes.
-    shapes : tuple of (Symbol, Rational)
-        Values of all shapes.
+    `closed` is F as a formula in V and the shapes.
     """
     with working_precision(BITS):
         try:

@@ -103,12 +103,7 @@ class TermFunction:
         self._asked[self.shape_values(values)] = _WORTH_BRANCHES
 
     def require_reach(self, values: Sequence[float]) -> None:
-        """Refuse a belt speed for which the law is needed beyond a pole, or the end of a logarithm or a root.
-
-        Raises
-        ------
-        InputError
-        """
+        """Refuse a belt speed for which the law is needed beyond a pole, or the end of a logarithm or a root."""
         if self.average.criterion.weight is None:
             return
         reach = reach_of(self.average.profile, self.exact_shapes(self.shape_values(values)))

@@ -76,22 +76,10 @@ class Unresolved(ArithmeticError):
 
 
 class Values:
-    """F(r) as a function of balls. Call it with the working precision `BITS`.
+    """F(r) of a profile g(v) at values of its shapes, as a function of balls of the working precision `BITS`.
 
-    Parameters
-    ----------
-    profile : sympy.Expr
-        g in the symbol v, and in shapes.
-    criterion : Criterion
-    closed : sympy.Expr or None
-        F in the symbol V; forgotten where it is not the average by the Gauss rule too, at a few places.
-    point : mapping
-        Values of the shapes in them.
-
-    Raises
-    ------
-    InputError
-        For a function that has no balls.
+    `closed` is F as a formula in V; it is forgotten where it is not the average by the Gauss rule too, at a few
+    places. A function that has no balls is refused.
     """
 
     def __init__(
@@ -131,12 +119,7 @@ class Values:
                 self._formula = None
 
     def __call__(self, r: arb) -> arb:
-        """Return F(r).
-
-        Raises
-        ------
-        Unresolved
-        """
+        """Return F(r), or raise `Unresolved`."""
         value = self._by_formula(r)
         return self._by_rule(r) if value is None else value
 
@@ -214,9 +197,7 @@ class Values:
     def _resolved(self, low: arb, high: arb, below: arb, halvings: int) -> list[_Piece]:
         """Return the slope between two places as one polynomial, or as those of both halves; `below` is a moment.
 
-        Raises
-        ------
-        Unresolved
+        A slope that stays no polynomial, however often it is halved, is `Unresolved`.
         """
         middle, half, rule = ((low + high) / 2).mid(), (high - low) / 2, legendre(_NODES)
         slope, places = self._slope(middle), [(middle + t * half).mid() for t in rule.nodes]
