@@ -124,8 +124,7 @@ def _growth(expr: Expr) -> Expr | None:
         return sp.Integer(expr == V)
     known = row(expr)
     if known is not None and known.dies(*expr.args):
-        (argument,) = expr.args
-        inside = None if argument.is_Add else _growth(argument)
+        inside = None if expr.args[-1].is_Add else _growth(expr.args[-1])
         if inside is not None and inside.is_positive:
             return -sp.oo
     if known is not None and known.bounded:
