@@ -26,6 +26,7 @@ Rising = Callable[[FloatArray], FloatArray]
 """mu(v) - mu(0+) of an array of slip speeds in m/s, NaN where mu has no value."""
 
 _LARGE = 0.02  # a difference of coefficients that has lost few digits
+_SPEEDS = 2.0 ** np.arange(-80, 81)  # m/s, between which one as large is looked for
 _LONGEST = 16  # terms of a^n - b^n as a sum; for larger n it is the exponential of a logarithm
 _START = sp.Dummy("start", positive=True)
 """The slip speed where a piece begins."""
@@ -114,6 +115,9 @@ def _rise(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -
         ends = number_at(piece, {**values, symbols.v: start}), number_at(lowest, {**values, symbols.v: sp.S.Zero})
         before = float(ends[0] - ends[1]) if all(end.is_finite for end in ends) else math.nan
     risen = None if gained is None else function_at(gained, {**values, _START: start}, "numpy")
+    with np.errstate(all="ignore"):
+        large = (np.abs(reals(plain(_SPEEDS)) - onset) > _LARGE) & (_SPEEDS >= float(start))
+    farthest = np.append(_SPEEDS, np.inf)[np.argmax(np.append(large, True))]  # beyond it products may cancel
 
     def rising(v: FloatArray) -> FloatArray:
         with np.errstate(all="ignore"):  # what is lost at extreme values is taken from the other
@@ -121,7 +125,7 @@ def _rise(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -
             if risen is None:
                 return difference
             value = reals(risen(v)) + before
-        return np.where(np.isfinite(value) & ~(np.abs(difference) > _LARGE), value, difference)
+        return np.where(np.isfinite(value) & (v < farthest) & ~(np.abs(difference) > _LARGE), value, difference)
 
     return rising
 

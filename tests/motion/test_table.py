@@ -64,6 +64,19 @@ def test_random_laws_within_enclosures(law):
     assert deviation(law) < OFF
 
 
+@given(st.sampled_from(list(ss.laws.catalogue)), st.floats(-0.3, 0.3), st.floats(1, 8))
+@example("rational", -0.19, 5.3)
+def test_derivatives_by_parameters_have_tables(name, decade, reach):
+    """Sensitivities follow them; far from rest they fall through 0, where products of their terms cancel."""
+    law = ss.laws[name].typical()
+    law = law.bind(**{key: f"{float(value) * 10**decade:.6g}" for key, value in law.values.items()})
+    for partial in map(law.partial, law.parameters):
+        table = FrictionTable.of(partial, reach)
+        v = np.linspace(0.01, 0.99, 30) * min(reach, table.end)
+        rises = partial.at_speeds(v) - table.onset
+        assert np.abs(rises - [table.rise(x) for x in v]).max() <= 1e-11 * np.abs(rises).max(initial=1e-3)
+
+
 def test_deviation_notices_a_wrong_coefficient():
     law = ss.laws.exponential.typical()
     table = FrictionTable.of(law)
