@@ -116,7 +116,7 @@ def _rise(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -
         before = float(ends[0] - ends[1]) if all(end.is_finite for end in ends) else math.nan
     risen = None if gained is None else function_at(gained, {**values, _START: start}, "numpy")
     with np.errstate(all="ignore"):
-        large = (np.abs(reals(plain(_SPEEDS)) - onset) > _LARGE) & (_SPEEDS >= float(start))
+        large = (np.abs(reals(plain(_SPEEDS)) - onset) > _LARGE) & (float(start) <= _SPEEDS)
     farthest = np.append(_SPEEDS, np.inf)[np.argmax(np.append(large, True))]  # beyond it products may cancel
 
     def rising(v: FloatArray) -> FloatArray:

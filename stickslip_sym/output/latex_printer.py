@@ -144,6 +144,12 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
     def _print_ImaginaryUnit(self, _: Expr) -> str:
         return r"\sqrt{-1}" if "i" in self._taken else r"\mathrm{i}"
 
+    def _print_Infinity(self, _: Expr) -> str:
+        return r"\infty"
+
+    def _print_NegativeInfinity(self, _: Expr) -> str:
+        return r"-\infty"
+
     # -- sums and products -----------------------------------------------------------------------------
 
     def _print_Add(self, expr: Expr, order: str | None = None) -> str:

@@ -9,6 +9,7 @@ import unicodedata
 from collections.abc import Callable, Mapping, Sequence
 
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.output.notation import latex_name
 
 LINE = 341.0  # points in 120 mm
 _NUMBER = 32.0  # of them for the number of the equation
@@ -142,7 +143,11 @@ def key(name: str | None) -> str:
 
 _SIGNS = {character: "\\" + character for character in "&%$#_{}"} | {
     "\\": r"\textbackslash{}", "^": r"\textasciicircum{}", "~": r"\textasciitilde{}", "|": r"\textbar{}",
-    '"': "''", "<": "$<$", ">": "$>$", "µ": r"$\mu$", "°": r"$^{\circ}$",
+    '"': "''", "<": "$<$", ">": "$>$", "−": "$-$", "≤": r"$\le$", "≥": r"$\ge$", "≈": r"$\approx$", "≠": r"$\ne$",
+    "∞": r"$\infty$", "√": r"$\surd$", "′": "$'$", "″": "$''$", "→": r"$\to$", "µ": r"$\mu$", "∝": r"$\propto$",
+    "∂": r"$\partial$", "°": r"$^{\circ}$",
+    **{raised: f"$^{{{plain}}}$" for raised, plain in zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻", "0123456789+-", strict=True)},
+    **{lowered: f"$_{{{plain}}}$" for lowered, plain in zip("₀₁₂₃₄₅₆₇₈₉₊₋", "0123456789+-", strict=True)},
 }  # fmt: skip
 _NOT_SET = re.compile("[ĦħĸĿŀŉŦŧſ]|[^ -~¡-ſ‐-–—‘’‚“”„†‡•…‰‹›€™]")
 _WORD = re.compile(r"(sqrt)\((\w+)\)|([A-Za-z]\w*)(?:\^(\d))?|(\d)[+]|(.)", re.S)
@@ -173,9 +178,16 @@ def prose(text: str, names: Mapping[str, str] | None = None) -> str:
 
 
 def _sign(character: str) -> str:
+    """Return a character as LaTeX; Greek letters that look like Latin ones have no command."""
+    if character in _SIGNS:
+        return _SIGNS[character]
+    greek = re.fullmatch(r"GREEK (SMALL|CAPITAL) LETTER (FINAL )?(\w+)", unicodedata.name(character, ""))
+    written = latex_name(greek[3].lower() if greek[1] == "SMALL" else greek[3].title()) if greek else "{"
+    if "{" not in written:
+        return f"${written}$"
     if _NOT_SET.match(character):
         raise InputError(
             f"the character {character!r} has no sign in pdflatex's fonts; "
             "write names, sources and meanings in Latin letters"
         )
-    return _SIGNS.get(character, character)
+    return character

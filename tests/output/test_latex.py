@@ -185,7 +185,7 @@ def test_lines_break_at_the_outermost_sum():
     [
         ("coefficient of v^3 at v = 0+, 5% & more, e.g. v_s/sqrt(2) < 1",
          r"coefficient of $v^{3}$ at $v$ = $0^{+}$, 5\% \& more, e.g.~$v_s$/$\sqrt{2}$ $<$ 1"),
-        ("Szabó – Łódź_1,\n \"a\" 10°", r"Szabó – Łódź\_1, ''a'' 10$^{\circ}$"),
+        ("Szabó – μ_α ≤ 10⁻³,\n x₀ → ∞", r"Szabó – $\mu$\_$\alpha$ $\le$ 10$^{-}$$^{3}$, x$_{0}$ $\to$ $\infty$"),
     ],
 )  # fmt: skip
 def test_prose(text, latex):
