@@ -37,8 +37,8 @@ class Criterion:
     Examples
     --------
     >>> s = symbols.s
-    >>> Criterion("early", sp.Rational(3, 4) * (1 - s**2) * (1 - s), "a weight on low slip speeds").moment(1)
-    -1/5
+    >>> Criterion("early", sp.Rational(3, 4) * (1 - s**2) * (1 - s), "a weight on low slip speeds").mean_power(1)
+    4/5
     """
 
     name: str
@@ -63,12 +63,6 @@ class Criterion:
     def _identity(self) -> tuple[str, str, Expr | None]:
         return self.name, self.source, None if self.weight is None else sp.expand(self.weight)
 
-    def moment(self, k: int) -> Expr:
-        """Return the mean of s^k, exact."""
-        if self.weight is None:
-            return sp.Integer(k == 0)
-        return sp.Add(*[sp.binomial(k, j) * (-1) ** (k - j) * self.mean_power(j) for j in range(k + 1)])
-
     @lru_cache(maxsize=256)  # noqa: B019  # criteria are few, and kept
     def mean_power(self, k: int | Expr) -> Expr:
         """Return the mean of (1 + s)^k, exact, where it is finite."""
@@ -89,9 +83,8 @@ class Criterion:
     @property
     def ends(self) -> tuple[Expr, Expr]:
         """The weight at s = -1 and at s = 1."""
-        if self.weight is None:
-            return sp.Integer(0), sp.Integer(0)
-        return self.weight.subs(symbols.s, -1), self.weight.subs(symbols.s, 1)
+        weight = sp.Integer(0) if self.weight is None else self.weight
+        return weight.subs(symbols.s, -1), weight.subs(symbols.s, 1)
 
     @property
     def order_at_rest(self) -> Expr:
@@ -118,17 +111,14 @@ class Criterion:
     @property
     def kernel(self) -> Expr:
         """The kernel K(v) with c/N = integral_0^{2V} mu(v) K(v) dv + `boundary`, from one integration by parts."""
-        s_of_v = (symbols.v - symbols.V) / symbols.V
-        return sp.factor(self._weight_slope.subs(symbols.s, s_of_v) / symbols.V**2)
+        return sp.factor(sp.diff(self.weight, symbols.s).subs(symbols.s, symbols.v / symbols.V - 1) / symbols.V**2)
 
     @property
     def angle_kernel(self) -> Expr:
         """The kernel A(theta) with c/N = integral_0^pi mu(V(1 - cos(theta))) A(theta) dtheta."""
-        cosine = -sp.cos(symbols.theta)
-        kernel = self._weight_slope.subs(symbols.s, cosine) * sp.sin(symbols.theta)
-        # sin(theta) is not negative on [0, pi], so sqrt(1 - cos^2) is sin.
-        kernel = kernel.subs(sp.sqrt(1 - sp.cos(symbols.theta) ** 2), sp.sin(symbols.theta))
-        return kernel / symbols.V
+        sine, cosine = sp.sin(symbols.theta), sp.cos(symbols.theta)
+        kernel = sp.diff(self.weight, symbols.s).subs(symbols.s, -cosine) * sine / symbols.V
+        return kernel.subs(sp.sqrt(1 - cosine**2), sine)  # which is not negative on [0, pi]
 
     def boundary(self, mu: Expr) -> Expr:
         """Return the boundary terms of c/N for a coefficient mu(v): 0 where the weight vanishes at both ends."""
@@ -140,12 +130,6 @@ class Criterion:
     def is_polynomial(self) -> bool:
         """Whether the weight is a polynomial, so that criteria are ordinary moments of mu."""
         return self.weight is not None and bool(self.weight.is_polynomial(symbols.s))
-
-    @property
-    def _weight_slope(self) -> Expr:
-        if self.weight is None:
-            raise InputError(f"the criterion {self.name!r} takes the slope at one point; it has no kernel")
-        return sp.diff(self.weight, symbols.s)
 
 
 _HIGHEST = 40  # degree of a weight; double precision holds no polynomial in s of a much higher one

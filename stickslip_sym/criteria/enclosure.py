@@ -210,15 +210,8 @@ def enclose(
 def average_ball(mu: Expr, point: Mapping[Expr, Expr | acb], criterion: Criterion, speed: arb) -> arb:
     """Return a ball around -<mu'(V(1 + s))>_w at the working precision; not finite where none is found.
 
-    Parameters
-    ----------
-    mu : sympy.Expr
-        A function of `symbols.v`.
-    point : mapping
-        Values of its other symbols: exact, or balls where it has no kinks.
-    criterion : Criterion
-    speed : arb
-        V, positive.
+    `mu` is a function of `symbols.v`; `point` has the values of its other symbols, exact, or balls where it has no
+    kinks; the speed is positive.
     """
     reach, kinks = speed if criterion.weight is None else 2 * speed, kinks_at(mu, point)
     inside = [place for place in kinks if ball(place).real < reach]

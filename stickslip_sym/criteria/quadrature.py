@@ -86,29 +86,15 @@ def damping(
 
 
 def average(coefficient: Function, kinks: Sequence[Expr], criterion: Criterion, speed: Expr, digits: int) -> Mpf:
-    """Return -<mu'(V(1 + s))>_w for a coefficient mu that mpmath evaluates.
-
-    Parameters
-    ----------
-    coefficient : callable
-        mu(v).
-    kinks : sequence of numbers
-        Its kinks and jumps, ascending and positive.
-    criterion : Criterion
-    speed : sympy.Rational
-        V, positive.
-    digits : int
-
-    Raises
-    ------
-    InputError, NotConverged
-        As `damping`.
-    """
+    """Return -<mu'(V(1 + s))>_w for a coefficient mu(v) that mpmath evaluates, of which all kinks are given."""
     mu = _real(coefficient)
     if criterion.weight is None:
         return _confirmed_slope(mu, speed, digits)
-    singular = _is_singular(mu)
-    if singular:
+    singular = False
+    try:
+        mu(mpmath.mpf(0))
+    except InputError:  # as of log(v), and of v*log(v)
+        singular = True
         _require_integrable(mu, criterion, speed)
     return _following_cancellation(
         lambda tolerance: _integral(mu, kinks, criterion, speed, tolerance, singular), digits, _MOST_LOST
@@ -143,15 +129,6 @@ def _real(mu: Function) -> Function:
         return value
 
     return guarded
-
-
-def _is_singular(mu: Function) -> bool:
-    """Tell whether a guarded coefficient has no value as it stands at v = 0, such as log(v) and v*log(v)."""
-    try:
-        mu(mpmath.mpf(0))
-    except InputError:
-        return True
-    return False
 
 
 def _require_integrable(mu: Function, criterion: Criterion, speed: Expr) -> None:

@@ -74,8 +74,8 @@ def test_random_weights_and_thin_layers():
         a, b, root = int(rng.integers(0, 3)), int(rng.integers(0, 3)), R(int(rng.integers(3, 9)), 2)
         shape = (1 + s) ** a * (1 - s) ** b * (s + root)
         criterion = ss.criteria.Criterion("random", shape / sp.integrate(sp.expand(shape), (s, -1, 1)), "seeded")
-        moments = [sp.integrate(sp.expand(criterion.weight * s**k), (s, -1, 1)) for k in range(5)]
-        assert [criterion.moment(k) for k in range(5)] == moments
+        moments = [sp.integrate(sp.expand(criterion.weight * (1 + s) ** k), (s, -1, 1)) for k in range(5)]
+        assert [criterion.mean_power(k) for k in range(5)] == moments
         form = ss.derive(law, criterion)
         V = 10 ** rng.uniform(-6, 5, 8)
         expected = [float(form.evaluate(20, V=speed, N=1)) for speed in V]

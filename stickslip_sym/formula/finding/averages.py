@@ -66,8 +66,6 @@ def _rational(polynomial: Expr, factors: Expr, u: Expr, V: Expr) -> Expr | None:
         A, B = sp.Poly(numerator, u).nth(1), sp.Poly(numerator, u).nth(0)
         if not b:
             total += numerator * _over_linear(c, power, V)
-        elif b == [0]:
-            total += _over_square(A, B, sp.sqrt(c), power, V)
         else:
             total += _over_quadratic(A, B, b[0], c, power, V)
     return total
@@ -83,36 +81,25 @@ def _over_linear(w: Expr, power: int, V: Expr) -> Expr:
     return ((-1) ** power * slope / sp.factorial(power - 1)).subs(x, w)
 
 
-def _over_square(A: Expr, B: Expr, width: Expr, power: int, V: Expr) -> Expr:
-    """Return H[(A u + B)/(u^2 + y^2)^power], y = width > 0.
-
-    Everything is rational in V, y and h = sqrt((1 + q)/2), q = sqrt(1 + 4 V^2/y^2), with the derivative
-    dh/dy = -h (h^2 - 1)/(y q).
-    """
-    h, y = sp.Dummy("h", positive=True), sp.Dummy("y", positive=True)
-    q = 2 * h**2 - 1
-    value = 2 * (A * (h**2 - h - 1) / (y**2 * h**2 * (h + 1)) + B * V / (y**4 * h**3)) / q
-    for k in range(1, power):
-        slope = sp.diff(value, y) - h * (h**2 - 1) / (y * q) * sp.diff(value, h)
-        value = sp.factor(-slope / (2 * k * y))
-    root = sp.sqrt(1 + 4 * V**2 / width**2)
-    return value.subs({q: root, h: sp.sqrt((1 + root) / 2), y: width})
-
-
 def _over_quadratic(A: Expr, B: Expr, b: Expr, c: Expr, power: int, V: Expr) -> Expr:
     """Return H[(A u + B)/(u^2 + b u + c)^power]; the quadratic is positive on [0, 2 V].
 
-    The same formula holds for real, double and complex roots.
+    Everything is rational in the roots p and q of its values at 0 and 2 V, and in t = (p + q)/sqrt(2 w),
+    w = p (p + q) + b V, where dt/dc = t (1 - t^2)/(2 p q); q = p (2 t^2 - 1) for b = 0. The same formula holds for
+    real, double and complex zeros.
     """
-    x = sp.Dummy("c", positive=True)
-    rho = sp.sqrt(x * (x + 2 * b * V + 4 * V**2))  # root of Q(0) Q(2 V)
-    low = rho + x + b * V
-    high = low + 2 * V**2
-    tau = sp.sqrt(high / low)
-    of_one = 2 * tau * (b + 2 * V) / (rho * high)
-    of_u = 4 / (low * (tau + 1)) - 2 * tau * (rho + x) / (rho * high)
-    slope = sp.diff(A * of_u + B * of_one, x, power - 1)
-    return ((-1) ** (power - 1) * slope / sp.factorial(power - 1)).subs(x, c)
+    p, q, t, w = (sp.Dummy(name, positive=True) for name in "pqtw")
+    other = p * (2 * t**2 - 1) if b == 0 else q
+    value = A * (4 / (w * (t + 1)) - 4 * t / (q * (p + q))) + 4 * B * t * (b + 2 * V) / (p * q * (p + q) ** 2)
+    if b == 0 or power > 1:
+        value = sp.factor(value.subs(w, (p + q) ** 2 / (2 * t**2)).subs(q, other))
+    for k in range(1, power):
+        slope = sp.diff(value, p) / p + sp.diff(value, q) / q + t * (1 - t**2) / (p * q) * sp.diff(value, t)
+        value = sp.factor(-slope.subs(q, other) / (2 * k))
+    low, high = sp.sqrt(c), sp.sqrt(c + 2 * b * V + 4 * V**2)
+    between = low * (low + high) + b * V
+    value = value.subs(2 * t**2 - 1, high / low)
+    return value.subs({p: low, q: high, w: between, t: (low + high) / sp.sqrt(2 * between)}, simultaneous=True)
 
 
 def _power(polynomial: Expr, node: Expr, u: Expr, V: Expr) -> Expr | None:
