@@ -40,6 +40,12 @@ def test_right_and_tampered_integrals():
         assert left != right
 
 
+def test_a_formula_without_a_value_is_not_returned():
+    """Its points with a value agree with the definition; for V > 1/2 there is none, as of 0 log(0)."""
+    with pytest.raises(ss.NoClosedForm, match="refuted"):
+        ss.derive("Piecewise((v, v < 1), (log(v - 1), True))", search=False)
+
+
 def test_an_infinite_integral_is_not_refuted():
     x = sp.Symbol("x", real=True)
     assert prove_equal(sp.Integral(sp.exp(-(x**2)) * sp.cos(x), (x, 0, sp.oo)), V).status is ss.Status.ESTIMATED

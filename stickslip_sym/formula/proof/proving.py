@@ -76,7 +76,9 @@ def prove_equal(lhs: Expr, rhs: Expr, by: By | None = None, checked: Verdict | N
     except ValueError as error:
         obstacle = str(error)
     if checked is not None:
-        return Verdict(checked.status, f"{checked.evidence}; {obstacle}", checked.point)
+        # Points at which the formula has no value say nothing to a check, and are a fault of the formula.
+        refuted, *_ = _at_points((rhs,), lambda value: True)
+        return refuted or Verdict(checked.status, f"{checked.evidence}; {obstacle}", checked.point)
     verdict, agreed, open_ = _at_points((lhs, rhs), _equal)
     if verdict is not None:
         return verdict
