@@ -111,13 +111,13 @@ class Criterion:
     @property
     def kernel(self) -> Expr:
         """The kernel K(v) with c/N = integral_0^{2V} mu(v) K(v) dv + `boundary`, from one integration by parts."""
-        return sp.factor(sp.diff(self.weight, symbols.s).subs(symbols.s, symbols.v / symbols.V - 1) / symbols.V**2)
+        return sp.factor(self._weight_slope.subs(symbols.s, symbols.v / symbols.V - 1) / symbols.V**2)
 
     @property
     def angle_kernel(self) -> Expr:
         """The kernel A(theta) with c/N = integral_0^pi mu(V(1 - cos(theta))) A(theta) dtheta."""
         sine, cosine = sp.sin(symbols.theta), sp.cos(symbols.theta)
-        kernel = sp.diff(self.weight, symbols.s).subs(symbols.s, -cosine) * sine / symbols.V
+        kernel = self._weight_slope.subs(symbols.s, -cosine) * sine / symbols.V
         return kernel.subs(sp.sqrt(1 - cosine**2), sine)  # which is not negative on [0, pi]
 
     def boundary(self, mu: Expr) -> Expr:
@@ -130,6 +130,12 @@ class Criterion:
     def is_polynomial(self) -> bool:
         """Whether the weight is a polynomial, so that criteria are ordinary moments of mu."""
         return self.weight is not None and bool(self.weight.is_polynomial(symbols.s))
+
+    @property
+    def _weight_slope(self) -> Expr:
+        if self.weight is None:
+            raise InputError(f"the criterion {self.name!r} takes the slope at one point; it has no kernel")
+        return sp.diff(self.weight, symbols.s)
 
 
 _HIGHEST = 40  # degree of a weight; double precision holds no polynomial in s of a much higher one

@@ -63,6 +63,7 @@ INTEGRATED = BOTH | {
     "a shifted Gaussian": lambda a, b, c: u * sp.exp(-a * u**2 + b * u),
     "the root of a quadratic": lambda a, b, c: u * sp.sqrt(u**2 + c * u + 1 + c**2),
     "an exponential times tanh": lambda a, b, c: u * sp.exp(-a * u) * sp.tanh(b * u),
+    "an exponential over a line": lambda a, b, c: sp.exp(-a * u) / (u + b) ** 2,
     "Langevin's function": lambda a, b, c: u * Langevin(a * u + b, 0),
     "the slope of Langevin's function": lambda a, b, c: u**2 * Langevin(a * u, 1),
     "a logarithm over a line": lambda a, b, c: u * sp.log(a * u + b) / (u + c) ** 2,

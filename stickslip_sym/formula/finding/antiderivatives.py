@@ -201,6 +201,23 @@ def _fraction(numerator: Expr, monic: list[Expr], power: int, u: Expr) -> Expr |
     return total + 2 * B * reach * sp.hyper((_HALF, 1), (3 * _HALF,), -gap * reach**2)
 
 
+def _exponential_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
+    """exp(-a u) times a rational function with linear denominators, a > 0: E_1."""
+    rational, exponential = factors.as_independent(sp.exp, as_Add=False)
+    parts = partial_fractions(polynomial * rational, u)
+    line = coefficients(exponential.args[0], u) if isinstance(exponential, sp.exp) else []
+    if parts is None or len(line) != 2 or not line[0].is_negative or any(len(base) > 2 for _, base, _ in parts[1]):
+        return None
+    total = _ladder(parts[0], exponential, line, u) or sp.Integer(0)
+    for numerator, (_, shift), power in parts[1]:
+        base = u + shift
+        for k in range(power - 1, 0, -1):
+            total -= numerator * exponential / (k * base**k)
+            numerator *= line[0] / k
+        total -= numerator * sp.exp(sp.expand(line[1] - line[0] * shift)) * sp.expint(1, -line[0] * base)
+    return total
+
+
 def _logarithm_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     """Integrate log(a u + b) times a rational function with linear denominators: Li_2.
 
@@ -256,6 +273,7 @@ _RULES = (
     Rule("Gaussian of a logarithm", (sp.exp,), _lognormal),
     Rule("incomplete gamma", None, _stretched),
     Rule("Lerch transcendent", (sp.exp, sp.tanh), _exponential_tanh),
+    Rule("exponential integral", None, _exponential_over_linear),
     Rule("dilogarithm", None, _logarithm_over_linear),
     Rule("hypergeometric function of a power", (sp.Pow,), _binomial),
 )
