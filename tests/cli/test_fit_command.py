@@ -30,26 +30,6 @@ def test_a_file_gives_the_fit_of_its_numbers(tmp_path, run):
         assert best["confidence"][name] == pytest.approx(fit.confidence()[name], rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (("0.0061,", "0.0061;"), "line 4, column 1: the row has 1 column,"),
-        (("v [m/s]", "v [rpm]"), "rpm is a rotational speed; give the radius of the track in m, like --radius"),
-        ((",mu\n", ",load [N]\n"), "line 1: got 'v [m/s],load [N]'; a table begins with a header"),
-        (("1.5,", "1.5,n/a "), "column 2, 'mu': a finite number is needed, like 0.35"),
-        (("0.0061,", "0.0061,-999,"), "mend the row, begin it with #, or leave out rows like it: --leave-out"),
-    ],
-)
-def test_broken_files_are_refused_with_the_row(change, message, tmp_path, run):
-    assert change[0] in TEXT
-    (tmp_path / "a.csv").write_text(TEXT.replace(*change, 1))
-    for command in (["fit", "a.csv"], ["damping", "--from-csv", "a.csv"]):
-        code, out, err = run(*command)
-        assert (code, out) == (2, "")
-        assert message in err
-        assert "line " in err
-
-
 def test_a_fit_is_printed_drawn_and_fixed(tmp_path, run):
     pytest.importorskip("matplotlib")
     (tmp_path / "disc.csv").write_text(TEXT)

@@ -33,10 +33,6 @@ def test_measured_points_are_read(line, run, tmp_path):
     code, out, err = run(*line)
     assert (code, err) == (0, understood)
     assert read_json(out)["operating_point"]["law"]["name"] == "disc"
-    (tmp_path / "disc.csv").write_text(POINTS.replace("m/s", "furlong/s"))
-    code, out, err = run(*line)
-    assert (code, out) == (2, "")
-    assert "line 1, column 1, 'v [furlong/s]': 'furlong/s' is no unit known here of a speed" in err
     (tmp_path / "disc.csv").write_text(POINTS.replace("\n0,", "\n0.01,"))
     code, out, err = run(*line)
     assert (code, out) == (2, "")
@@ -65,13 +61,11 @@ REFUSED = [
     ("critical exponential --of alpha -c 1 --within 3", "is not LOW:HIGH"),
     ("simulate exponential --x0 here", "x0 = 'here' is not a number"),
     ("simulate exponential --plot a.doc", "its ending is none of .svg, .png, .pdf"),
-    ("simulate a-v", "no value for a"),
     *((f"map exponential --x {text} --y c=1:2:2", message) for text, message in (
         ("V=0.1:1", "--x 'V=0.1:1' is not NAME=START:STOP:COUNT"),
         ("V=nan:1:5", "the start of V = 'nan' is not a number"),
         ("V=0.1:1:1.5", "the count must be a whole number"),
         ("V=0.1:1:99999999", "a whole number from 1 to 1000000"),
-        ("V=1:0.1:5", "the start must lie below the stop"),
         ("V=1:1:5", "the start must lie below the stop"),
     )),
     ("map exponential --x alpha=1:2:2 --y c=1:2:2 -p alpha=3", "alpha is an axis, and given by -p too"),
@@ -81,6 +75,8 @@ REFUSED = [
     ("study --fit disc.csv --static 0.7", "--static does nothing here"),
     ("fit disc.csv --law linear -p mu_s=0.5+/-0.1", "linear: mu_s is fixed with a standard error, which no fit"),
     ("study --fit bad.csv", "line 3, column 2, 'mu'"),
+    ("fit bad.csv", "mend the row, begin it with #, or leave out rows like it: --leave-out"),
+    ("damping --from-csv turns.csv", "give the radius of the track in m, like --radius"),
     ("study linear -o page.txt", "--output page.txt: its ending is none of .html, .htm, .xhtml"),
     ("study linear -c 1 --point ok.toml --point q/ok.toml", "several files of values are called 'ok'"),
     ("fit disc.csv --law linear -p beta=1", "no law that is fitted has a parameter 'beta'; leave -p beta=... out"),
@@ -113,7 +109,7 @@ REFUSED = [
     ("simulate --point ok.toml --point ok.toml", "simulate takes one --point; damping and study take several"),
     # files to write
     *((f"export {line}", message) for line, message in (
-        ("exponental --c x", "did you mean 'exponential'"), ("exponential", "nothing to write"),
+        ("exponential", "nothing to write"),
         ("--c x", "no law"), ("exponential --c x --c y", "--c is given twice"),
         ("exponential --c x --save ./x", "two outputs have the same file"),
         ("linear linear --c x", "'linear' is given twice"), ("linear --all --c x", "--all is every law already"),
@@ -130,7 +126,7 @@ def test_bad_input_is_a_line_on_stderr(line, message, run, tmp_path):
     files = {
         "disc.csv": POINTS, "bad.toml": "speed = 1\n", "broken.toml": "V: 1\n", "number.toml": "law = 3\n",
         "ok.toml": 'law = "linear"\n', "latin.toml": 'law = "µ"\n', "q/ok.toml": "V = 0.5\n",
-        "bad.csv": "v,mu\n0.1,0.5\n0.2,n/a\n0.3,0.4\n0.4,0.3\n",
+        "turns.csv": "v [rpm],mu\n1,0.5\n", "bad.csv": "v,mu\n0.1,0.5\n0.2,n/a\n0.3,0.4\n0.4,0.3\n",
     }  # fmt: skip
     (tmp_path / "q").mkdir()
     for name, text in files.items():

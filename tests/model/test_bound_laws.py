@@ -49,5 +49,7 @@ def test_the_catalogue_is_a_mapping_of_laws():
     assert ss.laws["mine"] is ss.laws.mine is ss.laws.catalogue["mine"] is ss.laws.find("mine") is law
     assert len(ss.laws) == len(LAWS) + 1
     del ss.laws["mine"]
+    assert all(getattr(ss.laws, name) is law for name, law in ss.laws.items())
+    assert set(ss.laws) <= set(dir(ss.laws))
     with pytest.raises(AttributeError, match="did you mean 'exponential'"):
         _ = ss.laws.exponental

@@ -30,12 +30,6 @@ def form(law):
     return ss.derive(law)
 
 
-def write(tmp_path, text):
-    path = tmp_path / "points.csv"
-    path.write_text(text)
-    return path
-
-
 STEPS = st.tuples(st.integers(1, 400), st.integers(-300, 900))
 ROUNDING = 5e-12  # of speeds up to 5 m/s, times the slope of the steepest curve
 
@@ -155,7 +149,8 @@ def test_files_that_cannot_be_read_are_refused(tmp_path):
 
 def test_too_many_rows_are_refused_before_they_are_read(tmp_path, monkeypatch):
     monkeypatch.setattr("stickslip_sym.model.measured.table.MOST_ROWS", 1000)
-    path = write(tmp_path, "v,mu\n" + "".join(f"{i},no number\n" for i in range(1001)))
+    path = tmp_path / "points.csv"
+    path.write_text("v,mu\n" + "1,no number\n" * 1001)
     with pytest.raises(ss.InputError, match="has over 1000 rows; average them to fewer"):
         ss.FrictionLaw.from_csv(path)
 

@@ -95,14 +95,6 @@ def test_signatures_of_public_functions_can_be_read():
     assert {one.__name__ for one in functions if len(str(inspect.signature(one))) > 600} == set()
 
 
-def test_every_law_of_the_catalogue_is_an_attribute():
-    assert set(ss.laws.catalogue) <= set(dir(ss.laws))
-    for name, law in ss.laws.catalogue.items():
-        assert getattr(ss.laws, name) is law
-    with pytest.raises(AttributeError, match=r"exponental.*did you mean 'exponential'"):
-        _ = ss.laws.exponental
-
-
 def test_derivations_and_checks_compute_nothing_at_import():
     code = (
         "import stickslip_sym.formula.proof.proving as p, stickslip_sym.formula.closed_form as f\n"

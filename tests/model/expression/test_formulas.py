@@ -37,27 +37,18 @@ TYPED = [
     ("v^a^2/3/b*a", lambda v: v ** (a**2) / 3 / b * a),
     ("a - -v**2*-b", lambda v: a - -(v**2) * -b),
     ("  +a*\n v", lambda v: a * v),
-    ("sech(v) - tanh(v)", lambda v: 1 / math.cosh(v) - math.tanh(v)),
-]
-"""A formula as it is typed, and its function."""
-
-SPELLED = [
     ("mu_m + 1/(1 + exp((v - a)/w))", lambda v: mu_m + 1 / (1 + math.exp((v - a) / w))),
     ("1/(b + a*exp(v/w))^2", lambda v: (b + a * math.exp(v / w)) ** -2),
     ("1/(exp(v/a) + exp(-v/a))", lambda v: 1 / (math.exp(v / a) + math.exp(-v / a))),
-    ("a/cosh(v/w)", lambda v: a / math.cosh(v / w)),
     ("a/cosh(v/w)^2", lambda v: a / math.cosh(v / w) ** 2),
-    ("exp(-2*b*v)*cosh(b*v)", lambda v: math.exp(-2 * b * v) * math.cosh(b * v)),
     ("v*exp(-b*v)*sinh(a*v)^2", lambda v: v * math.exp(-b * v) * math.sinh(a * v) ** 2),
     ("mu_s*exp(-p*log(1 + v/w))", lambda v: mu_s * (1 + v / w) ** -p),
-    ("a*2^(-v/w)", lambda v: a * 2 ** (-v / w)),
     ("b*log(1 + v_b/v)", lambda v: b * math.log(1 + v_b / v)),
-    ("tanh(log(1 + v/w))", lambda v: math.tanh(math.log(1 + v / w))),
     ("a*cosh(p*log(1 + v))", lambda v: a * math.cosh(p * math.log(1 + v))),
     ("mu_s + a*erfc(v/w)", lambda v: mu_s + a * math.erfc(v / w)),
     ("0.12 + 0.3*exp(-(v/0.0788816)^1.4144337)", lambda v: 0.12 + 0.3 * math.exp(-((v / 0.0788816) ** 1.4144337))),
 ]
-"""A spelling that was refused or had no closed form, and its function."""
+"""A formula as it is typed, and its function; the later ones were refused or had no closed form."""
 
 KINKED = [
     ("a*Abs(0.2 - 2*v)", lambda v: a * abs(0.2 - 2 * v), ["0.1"]),
@@ -68,7 +59,6 @@ KINKED = [
     ("Max(v + a, v)", lambda v: v + a, []),
     ("Max(exp(-v), -1)", lambda v: math.exp(-v), []),
     ("Abs(v - 1)^2 + Max(v, 0.5)", lambda v: (v - 1) ** 2 + max(v, 0.5), ["0.5", "1"]),
-    ("a + b*Abs(v - 1) - Abs(v - 2)", lambda v: a + b * abs(v - 1) - abs(v - 2), ["1", "2"]),
     ("exp(-Abs(v - a))*Max(v, b)", lambda v: math.exp(-abs(v - a)) * max(v, b), ["0.7", "0.8"]),
     ("Abs(Abs(v - 1) - 0.5)", lambda v: abs(abs(v - 1) - 0.5), ["0.5", "1", "1.5"]),
     ("||v| - w|*|a|", lambda v: a * abs(v - w), ["1.3"]),
@@ -85,7 +75,6 @@ KINKED = [
     ("|v^2 - w|", lambda v: abs(v**2 - w), None),
     ("Piecewise((1, v < 0.5), (v, v < 2*a), exp(-v))",
      lambda v: 1 if v < 0.5 else v if v < 2 * a else math.exp(-v), ["0.5", "1.4"]),
-    ("Piecewise((1, v < 2), (5, v < 1), v)", lambda v: 1 if v < 2 else v, ["2"]),
     ("Piecewise((1, v < b), (5, v < a), v)", lambda v: 1 if v < b else v, ["0.7", "0.8"]),
     ("Piecewise((v, v < a), (v, v < b), 2)", lambda v: v if v < b else 2, ["0.8"]),
     ("Piecewise((v, v < b), (v, v < a), 2)", lambda v: v if v < b else 2, ["0.8"]),
@@ -100,9 +89,7 @@ KINKED = [
 """A formula with kinks or jumps, its function, and where its kinks are."""
 
 
-@pytest.mark.parametrize(
-    ("text", "function", "kinks"), [*((text, function, None) for text, function in TYPED + SPELLED), *KINKED]
-)
+@pytest.mark.parametrize(("text", "function", "kinks"), [*((*one, None) for one in TYPED), *KINKED])
 def test_a_formula_means_its_function(text, function, kinks):
     law = law_of(text)
     assert law.mu(SPEEDS) == pytest.approx(list(map(function, SPEEDS)), rel=3e-12, abs=1e-15)
@@ -147,9 +134,7 @@ def test_spellings_have_one_normal_form(spelling, other):
     assert first == second or sp.expand(first - second) == 0
 
 
-@pytest.mark.parametrize(
-    "formula", ["1/cosh(v)^2", "1/cosh(v)^4", "tanh(v)", "1/(1 + exp(v))", "v*(1 - tanh(v)^2)"]
-)
+@pytest.mark.parametrize("formula", ["1/cosh(v)^4", "tanh(v)", "1/(1 + exp(v))", "v*(1 - tanh(v)^2)"])
 def test_a_slope_keeps_its_digits_far_out(formula):
     law = ss.FrictionLaw(formula)
     with mpmath.workdps(120):

@@ -63,13 +63,9 @@ def test_what_has_no_rule_or_value_is_subtracted():
 
 def test_pieces_and_measured_points():
     """The pieces above the first count from mu(0+) as well, also where the law jumps."""
-    measured = ss.FrictionLaw.from_samples(
-        [0, "1e-9", "2e-9", "5e-9", 1], ["0.5", "0.4999", "0.4997", "0.45", "0.3"]
-    )
-    jumps = ss.FrictionLaw("Piecewise((mu_s*exp(-v), v < 1e-9), (0.3 + 0.1*1e-9/v, v < 1e-3), (0.2, True))").bind(
-        mu_s=0.5
-    )
-    for law in (measured, jumps):
+    points = [0, "1e-9", "2e-9", "5e-9", 1], ["0.5", "0.4999", "0.4997", "0.45", "0.3"]
+    jumps = "Piecewise((0.5*exp(-v), v < 1e-9), (0.3 + 0.1*1e-9/v, v < 1e-3), (0.2, True))"
+    for law in (ss.FrictionLaw.from_samples(*points), ss.FrictionLaw(jumps)):
         ends = [place for place, _ in law.rises()] + [1.0]
         function = law.function("mpmath")
         for low, high, (_, gained) in zip(ends, ends[1:], law.rises(), strict=False):

@@ -26,9 +26,9 @@ REFUSED = [
     ("f'{v}'", 2, 'the character "\'"'),
     ("expp(v)", 1, "there is no function 'expp' .did you mean 'exp'"),
     ("exp(v, a)", 1, "exp takes one argument"),
-    ("exp", 1, "exp is a function"),
     ("v % 2", 3, "the character '%'"),
     ("v // 2", 4, "a number, a name or a parenthesis is missing"),
+    ("exp", 1, "exp is a function"),
     ("v\x00", 2, "the character '.x00'"),
     ("аlpha*v", 1, "the character 'а'"),  # a Cyrillic letter
     ("v^2 + 1/0", 9, "division by zero"),
@@ -37,7 +37,6 @@ REFUSED = [
     ("(v", 1, "cannot be read"),
     ("v == 2", 3, "a comparison is no number"),
     ("0.3 - 0,2*v", 8, "write 0.2"),
-    ("exp(0,2*v)", 1, "as in 0.2"),
     ("3 4*v", 3, "two numbers side by side"),
     ("a (1 + v)", 1, r"a product is written a\*"),
     ("True*v", 1, "'True' is not a usable name"),
@@ -49,36 +48,27 @@ REFUSED = [
     ("Piecewise((1, v < a), (2, v > b))", 23, "the last one may end in True"),
     ("Piecewise((1, True), (2, v < b))", 11, "only the last one may end in True"),
     ("Piecewise((1, v <= 0), 2)", 1, "a piece holds at v = 0 alone.*static="),
-    ("Piecewise((1, 0 < v < a), 2)", 11, "a law in pieces is written"),
-    ("Piecewise((1, v < a))", 11, "a law in pieces is written"),
     ("Piecewise((1, v < a), (2, v < b))", 23, "a law in pieces is written"),
-    ("Piecewise((1, v < a), 1, 2)", 23, "a law in pieces is written"),
-    ("Piecewise()", 11, "a law in pieces is written"),
     ("Piecewise((1, v < sqrt(-2)), 2)", 1, "places of a Piecewise are real"),
     ("Piecewise((1, v < log(0)), 2)", 19, "no finite value"),
-    ("a + |v - b", 5, "a bar without its partner"),
     ("|(v - a|)", 8, "a bar without its partner"),
-    ("a + v*|v - Q|^x", 15, "'x' is taken"),
     ("sign(a - b)", 1, "sign.* of parameters alone"),
     ("*".join(f"Abs(v - {x})" for x in "abdfghl"), None, "more than 6 parameters of unknown order"),
     ("Min(v)", 1, "Min takes two arguments or more"),
     ("2*Abs(v^2 - v)", 3, "differ by a linear function of v"),
-    ("Max(a, b, d, i, f, g, h)", 1, "more than 6 parameters of unknown order"),
     ("+".join(f"Abs(v - {i})" for i in range(1, 60)), None, "more than 40 arguments in all"),
-    ("(v < a)", 4, "a comparison is no number"),
     ("(v, a)", 3, "a comma stands between two formulas"),
     ("log(v - v)", 1, "no finite value"),
     ("2^exp(exp(exp(exp(2))))", 3, "a number in exp"),
     ("2^log(-2)", 3, "a numeric exponent is real"),
     ("sqrt(1e99 + 1)", 1, "a root is taken of a number with too many digits"),
     ("(a+b+d+q+f+g+v)^64", None, "too high a power of a sum; at most"),
-    ("(1 + v)^-17", None, "too high a power of a sum; at most"),
     ("a*v^40*exp(p*v)", None, r"v\*\*40 is too high a power of v; at most v\^24"),
-    ("exp(25*log(v))", None, "too high a power of v"),
     ("(a+b+d+q+f+g+v)^16", None, "over 600 terms"),
+    ("exp(25*log(v))", None, "too high a power of v"),
+    ("a + v*|v - Q|^x", 15, "'x' is taken"),
     ("(-1)^(1/3)*v", None, "is not real: only whole powers"),
     ("sqrt(-v)", None, "not finite and real"),
-    ("exp(1e999*v)", 5, "'1e999' is not a decimal number"),
 ]
 """A text, where its first wrong character is, and what the refusal says."""
 
@@ -256,19 +246,11 @@ def test_names_of_quantities_and_arguments_are_taken(name):
     assert ss.FrictionLaw(f"1 + {name}_1*v").missing == [f"{name}_1"]
 
 
-def test_names_of_functions_are_no_parameters():
-    for name in ("ln", "erfc", "sign", "abs", "log10", "coth"):
-        with pytest.raises(ss.InputError, match="function"):
-            ss.Parameter(name)
-
-
 # -- units -------------------------------------------------------------------------------------------
 
 UNITS = [
     ("mu_m + (mu_s - mu_m)*exp(-(v/v_s)^p)", {"v_s": "m/s"}, {"v_s": "s/m"}),
-    ("mu_s - a*v^p/w^p", {"a": "1", "w": "m/s"}, {"a": "1", "w": "m"}),
     ("mu_s + b*Abs(v - v_0)", {"b": "s/m", "v_0": "m/s"}, {"v_0": "s/m"}),
-    ("Piecewise((mu_s, v < v_0), mu_s - b*(v - v_0))", {"b": "s/m"}, {"mu_s": "m"}),
     ("0.5 - 0.3*v + a*log(1 + v/v_0)", {"v_0": "m/s"}, {"v_0": "1"}),
     ("a*sqrt(v)", {"a": "s^(1/2)/m^(1/2)"}, {"a": "s/m"}),
 ]

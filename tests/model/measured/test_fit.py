@@ -151,10 +151,11 @@ def test_a_negative_value_is_held_at_zero():
     assert fit.values["mu_v"] == 0
     assert any("mu_v is held at its bound 0" in text and "law.bind(mu_v=0)" in text for text in fit.warnings)
     assert any("Parameter('mu_v', positive=False)" in text for text in fit.warnings)
-    either = ss.FrictionLaw("a + b*exp(-alpha*v) + d*v", parameters=[ss.Parameter("d", positive=False)])
-    assert ss.fit(v, mu - 0.02 * v, laws=either).best.values["d"] == pytest.approx(-0.02, abs=0.004)
-    free = ss.FrictionLaw("a + b*exp(-alpha*v) - d*v")
-    assert ss.fit(v, mu - 0.02 * v, laws=free).best.values["d"] == pytest.approx(0.02, abs=0.004)
+    for sign, positive in ((1, False), (-1, True)):
+        law = ss.FrictionLaw(
+            f"a + b*exp(-alpha*v) + {sign}*d*v", parameters=[ss.Parameter("d", positive=positive)]
+        )
+        assert ss.fit(v, mu - 0.02 * v, laws=law).best.values["d"] == pytest.approx(-0.02 * sign, abs=0.004)
 
 
 def test_laws_without_a_jump_need_low_speeds():
@@ -168,12 +169,13 @@ def test_laws_without_a_jump_need_low_speeds():
 
 def test_what_cannot_be_told_apart_is_said():
     v, mu = data(ss.laws.stribeck, noise=0.003)
-    with pytest.raises(ss.InputError, match=r"do not tell a and b apart; fix one: law\.bind\([ab]=\.\.\.\)"):
-        ss.fit(v, mu, laws="a*b/(1 + v)")
-    with pytest.raises(ss.InputError, match="say nothing of v_1; fix it"):
-        ss.fit(v, mu, laws="Piecewise((a - b*v, v < v_1), mu_d)")
-    with pytest.raises(ss.InputError, match=r"4 free parameters, and 5 rows at 5 speeds are too few"):
-        ss.fit(v[:5], mu[:5], laws="stribeck")
+    for count, law, message in (
+        (60, "a*b/(1 + v)", r"do not tell a and b apart; fix one: law\.bind\([ab]=\.\.\.\)"),
+        (60, "Piecewise((a - b*v, v < v_1), mu_d)", "say nothing of v_1; fix it"),
+        (5, "stribeck", "4 free parameters, and 5 rows at 5 speeds are too few"),
+    ):
+        with pytest.raises(ss.InputError, match=message):
+            ss.fit(v[:count], mu[:count], laws=law)
     fixed = ss.fit(v, mu, laws=ss.laws.stribeck.bind(delta=1.5)).best
     assert set(fixed.values) == {"mu_s", "mu_m", "v_s"}
     assert float(fixed.law.values["delta"]) == 1.5
@@ -194,6 +196,9 @@ def test_a_fit_reports_itself(fits, tmp_path):
         assert "\n" not in repr(one)
     with pytest.raises(ss.InputError, match="did you mean 'gaussian'"):
         _ = fits["gausian"]
+    low, high = fits.best.measured.v[[0, -1]]
+    said = [fits.best.extrapolation(v) for v in (0.6 * high, 0.5 * low, 0.4 * high)]
+    assert (said[0][:18], "below" in said[1], said[2]) == ("extrapolated above", True, None)
     pytest.importorskip("matplotlib")
     assert "<table>" in fits._repr_html_()
     assert "<table>" in fits.best._repr_html_()
@@ -242,8 +247,6 @@ def test_three_rows_suffice_for_one_parameter():
     assert steps == [(0, 1), (1, 1)]
     assert fits.best.dof == 2
     assert json.loads(fits.to_json())["fits"][0]["aicc"] is None
-    with pytest.raises(ss.InputError, match="2 free parameters, and 3 rows at 3 speeds are too few"):
-        ss.fit([0.1, 0.5, 1.0], [0.38, 0.31, 0.2], laws="linear")
 
 
 def test_a_quantity_is_averaged_over_laws():
@@ -262,14 +265,6 @@ def test_a_quantity_is_averaged_over_laws():
         law = fits[row.law]
         alone = ss.pure_slip_damping(law.law.bind(**law.uncertain), V=0.5, N=9.81, method="harmonic")
         assert (row.value, row.standard_error) == pytest.approx((alone.value, alone.uncertainty))
-
-
-def test_extrapolation_is_said():
-    v, mu = data(low=0.2)
-    fit = ss.fit(v, mu, laws="linear").best
-    assert fit.extrapolation(0.6 * v.max()).startswith("extrapolated above")
-    assert "below" in fit.extrapolation(0.1)
-    assert ss.fit(*data(), laws="linear").best.extrapolation(0.5) is None
 
 
 def test_many_rows_are_fitted_as_few():
@@ -318,16 +313,13 @@ CURVE = ss.FrictionLaw.from_samples([0, 1, 2, 3], [0.5, 0.4, 0.3, 0.2])
         (([1, 2],), "mu is missing"),
         ((Measurements.of([1, 2], [1, 1]), [1, 1]), "given twice"),
         (([1, 2], [1, 1], None, []), "there is no law to fit"),
-        (([1, 2], [1, 1], None, [{}]), "a friction law is needed: .*; got dict"),
         (([1, 2], [1, 1], None, ["linear", "linear"]), "the law linear is given twice"),
-        (([1, 2], [1, 1], None, "lineer"), "did you mean 'linear'"),
         (([1, 2], [1, 1], None, ss.laws.linear.typical()), "it has no parameter without a value"),
         ((*data(), None, CURVE), "goes through measured points, and has nothing to fit"),
         (([1, 2], [1]), r"v has the shape \(2,\) and mu \(1,\)"),
         (([-1, 2], [1, 1]), "v = -1 is below 0"),
         (([1, 2], [1, 7]), r"mu\[1\] = 7; a coefficient of friction is below 5"),
         (([1, 2], [1, 1], [0.1, 0]), "sigma = 0 is not above 0"),
-        (([1, 2], [1, 1], [0.1]), r"sigma has the shape \(1,\)"),
         (([1, float("nan")], [1, 1]), "not finite"),
     ],
 )
