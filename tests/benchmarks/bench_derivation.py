@@ -24,25 +24,15 @@ def law_integral(law, criterion):
     return sp.Integral(-symbols.N * criterion.weight * slope, (symbols.s, -1, 1))
 
 
-def bare(integral, queue):
-    """What a user types first."""
-    queue.put(sp.integrate(integral.function, *integral.limits))
-
-
 def sympy_alone(integral):
     """Return SymPy's result, or None, and the time it took."""
-    queue = multiprocessing.Queue()
-    process = multiprocessing.Process(target=bare, args=(integral, queue), daemon=True)
     start = time.perf_counter()
-    process.start()
-    try:
-        result = queue.get(timeout=LIMIT)
-    except Exception:  # of whatever kind: the queue is empty because SymPy is late, or gave up
-        result = None
-    seconds = time.perf_counter() - start
-    process.kill()
-    process.join()
-    return (None if result is None or result.has(sp.Integral) else result), seconds
+    with multiprocessing.Pool(1) as pool:  # which ends what takes too long
+        try:
+            result = pool.apply_async(sp.integrate, (integral.function, *integral.limits)).get(LIMIT)
+        except Exception:  # of whatever kind: SymPy is late, or gave up
+            result = None
+    return (None if result is None or result.has(sp.Integral) else result), time.perf_counter() - start
 
 
 def agrees(expr, law, criterion):

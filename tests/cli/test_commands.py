@@ -130,9 +130,8 @@ def plane(content):
 
 
 def tradeoff(content):
-    errors = {
-        (row["method"], row["setting"]): row["relative_error"] for row in content["trades"]["criterion"]["rows"]
-    }
+    rows = content["trades"]["criterion"]["rows"]
+    errors = {(row["method"], row["setting"]): row["relative_error"] for row in rows}
     assert errors["plain lambdify", "array"] > 0.1 > 1e-14 > errors["stable function", "one value"]
     assert content["trades"]["criterion"]["point"]["V"] == 1e-4
 

@@ -196,9 +196,8 @@ def test_choice_of_law_and_extrapolation_are_said(monkeypatch):
     value, error = study.needed
     assert error > study.threshold.budget.uncertainty
     draws = np.random.default_rng(1)
-    weights, values, errors = np.array(
-        [(row.weight, row.value, row.standard_error) for row in study.choice.rows]
-    ).T
+    rows = [(row.weight, row.value, row.standard_error) for row in study.choice.rows]
+    weights, values, errors = np.array(rows).T
     which = draws.choice(len(values), 200_000, p=weights / weights.sum())
     samples = draws.normal(values[which], errors[which])
     assert (value, error) == (pytest.approx(samples.mean(), rel=0.01), pytest.approx(samples.std(), rel=0.02))
@@ -207,8 +206,8 @@ def test_choice_of_law_and_extrapolation_are_said(monkeypatch):
     root = check_well_formed(page)
     shown = numbers_on(root)
     assert shown["threshold"] == [pytest.approx(value), pytest.approx(error)]
-    for i, row in enumerate(study.choice.rows):
-        assert shown[f"choice-{i}"] == pytest.approx([row.weight, row.value, row.standard_error])
+    for i, row in enumerate(rows):
+        assert shown[f"choice-{i}"] == pytest.approx(row)
     said = "extrapolated above 0.9 m/s: thresholds take friction from 0 to 2 V = 1 m/s"
     assert study.warnings[0].startswith(said)
     assert str(study).splitlines()[0] == f"warning: {study.warnings[0]}"

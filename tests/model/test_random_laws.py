@@ -80,11 +80,7 @@ def test_rises_and_slopes_are_those_of_the_coefficient(law):
 @given(formulas(), st.sampled_from([" ", "  ", "\n"]))
 def test_spaces_and_signs_of_products_mean_nothing(formula, blank):
     law = ss.FrictionLaw(formula)
-    for spelled in (
-        formula.replace("*", f"{blank}*{blank}"),
-        formula.replace("*", "·"),
-        formula.replace("^", "**"),
-    ):
-        assert ss.FrictionLaw(spelled).expr == law.expr
+    for sign, spelled in (("*", f"{blank}*{blank}"), ("*", "·"), ("^", "**")):
+        assert ss.FrictionLaw(formula.replace(sign, spelled)).expr == law.expr
     assert ss.FrictionLaw(law.text).mu(SPEEDS) == pytest.approx(law.mu(SPEEDS), rel=1e-13)
     assert ss.FrictionLaw(formula.replace("0.5", "0.6", 1)) != law

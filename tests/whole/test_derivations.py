@@ -103,9 +103,6 @@ def test_positivity():
 
 def test_text_and_latex_name_every_equation():
     derivation = chapter("least_squares")({})
-    for label in ("(13)", "(14) a", "(15) b", "(16)"):
-        assert label in derivation.text()
-        tag = f"\\tag{{{label.strip('()').replace(') ', ' ')}}}"
-        assert tag in derivation.latex() or label in derivation.text()
+    assert all(label in derivation.text() for label in ("(13)", "(14) a", "(15) b", "(16)"))
     assert derivation.latex().count("\\begin{equation*}") == len(derivation.steps)
     assert "PROVED" in repr(derivation)

@@ -66,9 +66,8 @@ def check_slope_average():
     """The criterion least_squares of a law of unknown form, from the average and from (16)."""
     s, u, V, N = symbols.s, symbols.u, symbols.V, symbols.N
     for mu in (u, u**3, sp.exp(-u), 1 / (1 + u)):
-        average = -N * sp.integrate(
-            ss.criteria.least_squares.weight * sp.diff(mu, u).subs(u, V * (1 + s)), (s, -1, 1)
-        )
+        slope = sp.diff(mu, u).subs(u, V * (1 + s))
+        average = -N * sp.integrate(ss.criteria.least_squares.weight * slope, (s, -1, 1))
         moment = 5 * N / (2 * V**5) * sp.integrate(mu * (V - u) ** 3, (u, 0, 2 * V))
         values = {V: sp.Rational(7, 10), N: 3}
         assert sp.N((average - moment).subs(values), 30, chop=True) == 0
@@ -98,9 +97,8 @@ def check_rates():
         x, v = osc.onset(LAW) + osc.length * q, osc.V * (1 - side * w)
         force = side * osc.N * LAW.mu(osc.V * w)
         acceleration = (force - osc.c * v - osc.k * x) / osc.m
-        assert system.acceleration(q, w, side) == pytest.approx(
-            -side * acceleration / (osc.V * osc.omega), rel=1e-12
-        )
+        expected = -side * acceleration / (osc.V * osc.omega)
+        assert system.acceleration(q, w, side) == pytest.approx(expected, rel=1e-12)
         assert 1 - side * w == pytest.approx(v / (osc.length * osc.omega), rel=1e-12)
 
 
@@ -110,9 +108,8 @@ def check_terms():
     for criterion in (ss.criteria.least_squares, ss.criteria.harmonic):
         weight, total = sp.lambdify(symbols.s, criterion.weight, "mpmath"), 0
         for term in law.terms:
-            amplitude, scale = (
-                mpmath.mpmathify(sp.N(part.subs(law.point), 20)) for part in (term.amplitude, term.scale)
-            )
+            values = [sp.N(part.subs(law.point), 20) for part in (term.amplitude, term.scale)]
+            amplitude, scale = map(mpmath.mpmathify, values)
             meaning = {shape: value.subs(law.point) for shape, value in term.shapes.items()}
             slope = sp.lambdify(symbols.v, sp.diff(term.profile.subs(meaning), symbols.v), "mpmath")
 

@@ -27,9 +27,8 @@ def command(*arguments):
 
 
 def test_a_law(monkeypatch):
-    law = ss.FrictionLaw(
-        "mu_a - b*v + d*v^3", name="mine", parameters=[ss.Parameter("b", "fall", "s/m", typical="0.4")]
-    )
+    fall = ss.Parameter("b", "fall", "s/m", typical="0.4")
+    law = ss.FrictionLaw("mu_a - b*v + d*v^3", name="mine", parameters=[fall])
     monkeypatch.setitem(ss.laws.catalogue, "mine", law)
     assert ss.laws.mine is law
     value = ss.derive(ss.laws.mine)(V=0.5, N=2, mu_a=0.5, b=0.4, d=0.1)
@@ -54,10 +53,7 @@ def test_a_criterion_of_the_catalogue(monkeypatch):
 
 def test_what_is_no_criterion_is_refused():
     for refused, message in (
-        (
-            lambda: ss.critical(LAW, "V", c=1, N=9.81, method="harmonics"),
-            "there is no method 'harmonics'",
-        ),
+        (lambda: ss.critical(LAW, "V", c=1, N=9.81, method="harmonics"), "there is no method 'harmonics'"),
         (lambda: ss.Criterion("steep", s**1000 * sp.Rational(1001, 2)), "is of degree 1000"),
         (lambda: ss.Criterion("", sp.Rational(1, 2)), "a criterion has a name"),
     ):
@@ -95,11 +91,8 @@ def test_a_method(monkeypatch):
 def test_a_language(monkeypatch, tmp_path):
     """C++ is C but for what stands first, and for how functions are linked."""
     c = LANGUAGES["c"]
-    page = (
-        c.file.read_text()
-        .replace("@@ head\n", "@@ head\n// C++\n")
-        .replace("\ndouble $name", '\nextern "C" double $name')
-    )
+    page = c.file.read_text().replace("@@ head\n", "@@ head\n// C++\n")
+    page = page.replace("\ndouble $name", '\nextern "C" double $name')
     (tmp_path / "cpp.txt").write_text(page)
     monkeypatch.setitem(LANGUAGES, "cpp", replace(c, description="C++.", file=tmp_path / "cpp.txt"))
     average = ss.slope_average(LAW)
@@ -114,6 +107,5 @@ def test_a_language(monkeypatch, tmp_path):
         function = ctypes.CDLL(str(tmp_path / "a.so")).damping
         function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * 5
         values = {"V": 0.5, "N": 9.81} | {name: float(value) for name, value in LAW.values.items()}
-        assert function(*(values[name] for name in average.arguments)) == pytest.approx(
-            average(V=0.5, N=9.81), rel=1e-14
-        )
+        got = function(*(values[name] for name in average.arguments))
+        assert got == pytest.approx(average(V=0.5, N=9.81), rel=1e-14)

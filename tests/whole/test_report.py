@@ -69,18 +69,18 @@ def test_a_report_of_a_run(tmp_path):
     check_well_formed(page)
     check_complete(page)
     for probe in look_at(page, tmp_path):
-        check_seen(probe)
+        assert probe["rows"] == probe["shown"] == len(CLAIMS)
+        assert len(probe["formulas"]) >= 18
+        assert min(probe["formulas"]) > 8
+        assert len(probe["pictures"]) == 9
 
 
 def test_the_page_and_the_numbers_of_a_report():
     """Of findings as a run would make them, without its figures."""
     findings = {id: Finding(id, "0 0.05 0.1 0.1287", Outcome.REPRODUCED, "it holds", "so") for id in CHECKED}
     names = ("equilibrium", "least_squares", "harmonic", "second_order", "proof")
-    rows = [
-        Row(name, 2.5, 10.0**-place, Status.ESTIMATED, 1e-3, further={"largest": 0.1})
-        for place, name in enumerate(names[:-1])
-    ]
-    rows.append(Row("proof", 2.5, 1e-12, Status.PROVED, 1e-3, further={"largest": 0.1}))
+    stated = [(10.0**-place, Status.ESTIMATED) for place in range(4)] + [(1e-12, Status.PROVED)]
+    rows = [Row(name, 2.5, *one, 1e-3, further={"largest": 0.1}) for name, one in zip(names, stated, strict=True)]
     rows.append(Row("Newmark scan", 2.5, 1e-3, Status.ESTIMATED, 2.0))
     pictures = {figure.number: "data:," for figure in FIGURES}
     report = Report(findings, pictures, {"exponential": tuple(rows)}, versions(), "now")
@@ -112,13 +112,8 @@ def check_complete(page):
 def check_json(content):
     assert content["format"] == 3
     assert set(content) == {"format", "time", "versions", "summary", "claims", "equations", "figures", "methods"}
-    counts = {
-        "qualified": 0,
-        "not reproduced": 0,
-        "reproduced": len(CHECKED),
-        "not checked": len(CLAIMS) - len(CHECKED),
-    }
-    assert content["summary"] == counts
+    counts = {"reproduced": len(CHECKED), "not checked": len(CLAIMS) - len(CHECKED)}
+    assert content["summary"] == {"qualified": 0, "not reproduced": 0} | counts
     claims = {claim["id"]: claim for claim in content["claims"]}
     assert list(claims) == list(CLAIMS)
     for id, claim in claims.items():
@@ -151,9 +146,7 @@ def check_terminal(printed):
 
 @pytest.mark.parametrize("width", [40, 60, 80, 120, 300])
 def test_no_line_is_wider_than_the_terminal(width):
-    findings = [
-        Finding(id, "some value of ours", claim.outcome, "", "a", "b", "c") for id, claim in CLAIMS.items()
-    ]
+    findings = [Finding(id, "some value", claim.outcome, "", "a", "b", "c") for id, claim in CLAIMS.items()]
     console = Console(width=width - 1, color_system=None)
     with console.capture() as captured:
         console.print(verdicts(findings))
@@ -232,10 +225,3 @@ def test_a_report_that_cannot_be_written_is_refused(tmp_path):
     done = run_checks("--report", str(tmp_path / "file"), "-k", "N1")
     assert done.returncode == pytest.ExitCode.USAGE_ERROR
     assert "give a folder that can be made" in done.stderr
-
-
-def check_seen(probe):
-    assert probe["rows"] == probe["shown"] == len(CLAIMS)
-    assert len(probe["formulas"]) >= 18
-    assert min(probe["formulas"]) > 8
-    assert len(probe["pictures"]) == 9

@@ -152,9 +152,8 @@ def test_a_negative_value_is_held_at_zero():
     assert any("mu_v is held at its bound 0" in text and "law.bind(mu_v=0)" in text for text in fit.warnings)
     assert any("Parameter('mu_v', positive=False)" in text for text in fit.warnings)
     for sign, positive in ((1, False), (-1, True)):
-        law = ss.FrictionLaw(
-            f"a + b*exp(-alpha*v) + {sign}*d*v", parameters=[ss.Parameter("d", positive=positive)]
-        )
+        slope = ss.Parameter("d", positive=positive)
+        law = ss.FrictionLaw(f"a + b*exp(-alpha*v) + {sign}*d*v", parameters=[slope])
         assert ss.fit(v, mu - 0.02 * v, laws=law).best.values["d"] == pytest.approx(-0.02 * sign, abs=0.004)
 
 
