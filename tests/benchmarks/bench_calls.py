@@ -1,5 +1,7 @@
 """What one call of each method costs: ``python -m pytest tests/benchmarks/bench_calls.py -n 0``."""
 
+import subprocess
+import sys
 from functools import partial
 
 import numpy as np
@@ -19,6 +21,14 @@ BOX = {"x0": (-2.0, 2.0), "v0": (0.0, 2.0)}
 
 
 FORM = ss.derive(LAW)
+
+
+def process(code, line=""):
+    """What an answer costs from the prompt."""
+    return partial(subprocess.run, [sys.executable, "-c", code, *line.split()], capture_output=True, check=False)
+
+
+COMMAND = "from stickslip_sym.cli.program import main; main()"
 CALLS = {
     "one array of 1e5 speeds": {"closed form": partial(FORM, V=MANY, N=9.81), "numpy.exp": partial(np.exp, MANY)},
     "one value": {
@@ -35,6 +45,13 @@ CALLS = {
     "101 speeds": {
         method: partial(ss.pure_slip_damping, LAW, **(POINT | {"V": SPEEDS}), method=method, rtol=1e-10)
         for method in ("second_order", "orbit", "auto")
+    },
+    "the first answer, in a process of its own": {
+        "import scipy.optimize": process("import scipy.optimize"),
+        "help": process(COMMAND, "--help"),
+        "a typo in a law's name": process(COMMAND, "damping exponentail -V 0.5 -N 9.81"),
+        "a threshold of the catalogue": process(COMMAND, "damping exponential -V 0.5 -N 9.81 -m 1 -k 100"),
+        "a new law, proved": process(COMMAND, "derive mu_m+(mu_s-mu_m)/(1+v/v_s)"),
     },
     "critical values and cycles": {
         "speed": partial(ss.critical, LAW, "V", c=2.5, N=9.81, m=1.0, k=100.0),

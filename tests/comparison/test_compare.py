@@ -5,6 +5,7 @@ import pickle
 import random
 
 import pytest
+from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.comparison.crosscheck import differences, scatter
@@ -80,9 +81,7 @@ def scattered(count=5):
     return v, mu
 
 
-@pytest.mark.parametrize(
-    "name", ["equilibrium", "least_squares", pytest.param("harmonic", marks=pytest.mark.thorough)]
-)
+@sweep("name", list(ss.criteria.catalogue), "equilibrium", "least_squares")
 def test_scatter_is_the_jackknife_of_the_criterion(name):
     v, mu = scattered(9)
     criterion = ss.criteria.catalogue[name]

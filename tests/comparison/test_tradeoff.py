@@ -22,7 +22,6 @@ SIZES = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
 LAW = ss.laws.exponential.typical()
 BISTABLE = ss.laws.exponential.bind(mu_s=1, mu_m=0.5, alpha=2)
 BOX = {"V": 1.5, "N": 1, "m": 1, "k": 1, "c": 0.1}
-BISTABLE_OSC = ss.Oscillator(m=1, k=1, c=0.1, V=1.5, N=1)
 SHARE = 0.30712613778  # by areas, at two tolerances
 
 
@@ -152,12 +151,12 @@ def test_the_error_of_a_share_has_two_parts(monkeypatch, wrong):
 def test_runs_of_scipy_decide_as_classify_does():
     """Away from the separatrix; with events and smoothed, and from both sides of the belt's speed."""
     rng = np.random.default_rng(3)
-    rests = 0
+    rests, osc = 0, ss.Oscillator(**BOX)
     for x0, v0 in np.column_stack([rng.uniform(-2, 2, 5), rng.uniform(0, 2, 5)]).tolist():
-        rest = ss.classify(BISTABLE, BISTABLE_OSC, x0=x0, v0=v0) is ss.Motion.REST
+        rest = ss.classify(BISTABLE, osc, x0=x0, v0=v0) is ss.Motion.REST
         rests += rest
-        assert tradeoff.comes_to_rest(BISTABLE, BISTABLE_OSC, x0, v0, 1e-6) == rest
-        assert tradeoff.comes_to_rest_smoothed(BISTABLE, BISTABLE_OSC, x0, v0, 1e-3) == rest
+        assert tradeoff.comes_to_rest(BISTABLE, osc, x0, v0, 1e-6) == rest
+        assert tradeoff.comes_to_rest_smoothed(BISTABLE, osc, x0, v0, 1e-3) == rest
     assert 1 <= rests <= 4
 
 

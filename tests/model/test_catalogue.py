@@ -76,9 +76,7 @@ def test_refuses_honestly(name, criterion):
 
 
 HARMONIC_BY_HAND = {
-    "exponential": lambda V, N, mu_s, mu_m, alpha: (
-        2 * N * (mu_s - mu_m) * sp.exp(-alpha * V) * sp.besseli(1, alpha * V) / V
-    ),
+    "exponential": lambda V, N, mu_s, mu_m, a: 2 * N * (mu_s - mu_m) * sp.exp(-a * V) * sp.besseli(1, a * V) / V,
     "polynomial": lambda V, N, mu_s, mu_m, v_m: N * (mu_s - mu_m) * (12 * v_m**2 - 15 * V**2) / (8 * v_m**3),
     "hyperbolic": lambda V, N, mu_s, mu_m, v_s: (
         2 * N * (mu_s - mu_m) / V * (1 + V / v_s - sp.sqrt(1 + 2 * V / v_s)) / (V / v_s * sp.sqrt(1 + 2 * V / v_s))
@@ -95,3 +93,15 @@ def test_harmonic_forms_are_the_textbook_s(name):
     for n in range(1, 6):
         point = {symbol: sp.Rational(3 * n + i, 7) for i, symbol in enumerate(form.arguments.values())}
         assert abs(sp.N((form.expr - by_hand).xreplace(point), 30)) < 1e-25
+
+
+def test_the_catalogue_is_a_mapping_of_laws():
+    law = ss.FrictionLaw("mu_a - b*v", units={"b": "s/m"})
+    ss.laws["mine"] = law
+    assert ss.laws["mine"] is ss.laws.mine is ss.laws.catalogue["mine"] is ss.laws.find("mine") is law
+    assert len(ss.laws) == len(LAWS) + 1
+    del ss.laws["mine"]
+    assert all(getattr(ss.laws, name) is law for name, law in ss.laws.items())
+    assert set(ss.laws) <= set(dir(ss.laws))
+    with pytest.raises(AttributeError, match="did you mean 'exponential'"):
+        _ = ss.laws.exponental

@@ -12,6 +12,7 @@ import sympy as sp
 import uncertainties
 
 import stickslip_sym as ss
+from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.negative import lowest
 
 SEED = 20160428
@@ -218,3 +219,42 @@ def test_a_static_coefficient_needs_its_parameters_only_where_it_enters():
         assert value(law) == value(plain)
     with pytest.raises(ss.InputError, match=r"no value for mu_0, r; bind them first"):
         ss.Oscillator(m=1, k=1, V=1, N=1).onset(law)
+
+
+# -- laws given in any form ----------------------------------------------------------------------------
+
+
+def test_a_law_is_given_by_name_or_formula():
+    for given in (ss.laws.stribeck, "stribeck", " stribeck", ss.laws.stribeck.text, ss.laws.stribeck.expr):
+        assert as_law(given).text == ss.laws["stribeck"].text
+    assert as_law("mu_k").text == "mu_k"
+    assert as_law(0.3).mu(1.0) == 0.3
+    with pytest.raises(ss.InputError, match="did you mean 'exponential'"):
+        as_law("exponental")
+    for wrong in (None, [0.1], ss.Oscillator(m=1, k=1, V=1, N=1)):
+        with pytest.raises(ss.InputError, match="a friction law is needed"):
+            as_law(wrong)
+
+
+OSC = ss.Oscillator(m=1, k=100, V=0.5, N=9.81, c=2.0)
+CALLS = {
+    "derive": lambda law: ss.derive(law)(V=0.5, N=9.81),
+    "slope_average": lambda law: ss.slope_average(law)(V=0.5, N=9.81),
+    "enclose": lambda law: float(ss.enclose(law, V=0.5, N=9.81, digits=15)),
+    "quadrature": lambda law: float(ss.quadrature.damping(law, V=0.5, N=9.81, digits=15)),
+    "pure_slip_damping": lambda law: ss.pure_slip_damping(law, OSC, method="harmonic").value,
+    "simulate": lambda law: float(ss.simulate(law, OSC, t_end=0.1).x[-1]),
+    "regime": lambda law: str(ss.regime(law, OSC)),
+    "limit_cycles": lambda law: len(ss.limit_cycles(law, OSC)),
+    "stick_slip_cycle": lambda law: ss.stick_slip_cycle(law, OSC).period,
+    "critical": lambda law: [found.value for found in ss.critical(law, "V", c=2.0, N=9.81, m=1, k=100)],
+    "compare": lambda law: ss.compare(law, OSC, methods=["harmonic"])["harmonic"].threshold.value,
+}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_functions_take_a_law_by_its_text(name):
+    text = "0.2 + 0.3*exp(-3*v)"
+    assert CALLS[name](text) == CALLS[name](ss.FrictionLaw(text))
+    with pytest.raises(ss.InputError, match="a friction law is needed"):
+        CALLS[name](OSC)

@@ -1,15 +1,44 @@
-"""``stickslip study``: from a file of an instrument to a page in one command, and what is refused."""
+"""``stickslip fit`` and ``study``: from a file of an instrument to ranked laws, and to a page in one command."""
 
-import json
 import re
 
 import numpy as np
 import pytest
+from commands import read_json
 from pages import check_well_formed
 
 import stickslip_sym as ss
 
 pytest.importorskip("matplotlib")
+
+
+V = np.repeat(np.round(np.geomspace(0.005, 1.5, 30), 4), 2)
+MU = np.round(ss.laws.exponential.typical().mu(V) + 0.005 * np.random.default_rng(7).normal(size=60), 4)
+TEXT = "v [m/s],mu\n" + "".join(f"{a},{b}\n" for a, b in zip(V, MU, strict=True))
+
+
+def test_a_file_gives_the_fit_of_its_numbers(tmp_path, run):
+    (tmp_path / "disc.csv").write_text(TEXT)
+    code, out, err = run("fit", "disc.csv", "--law", "exponential", "--law", "linear", "--json")
+    assert (code, err) == (0, "")
+    found, fit = read_json(out)["fits"], ss.fit(V, MU, laws="exponential").best
+    best = found["fits"][0]
+    assert best["law"]["name"] == "exponential"
+    assert found["measured"]["understood"] == "60 rows, v in m/s, mu from column 2"
+    for name, value in best["values"].items():
+        assert value == pytest.approx(fit.values[name], rel=1e-9)
+        assert best["confidence"][name] == pytest.approx(fit.confidence()[name], rel=1e-9)
+
+
+def test_a_fit_is_printed_drawn_and_fixed(tmp_path, run):
+    (tmp_path / "disc.csv").write_text(TEXT)
+    laws = [word for law in ("exponential", "stribeck", "a + b/(d + v)") for word in ("--law", law)]
+    line = ["fit", "disc.csv", *laws, "-p", "delta=1", "--plot", "fit.svg"]
+    code, out, err = run(*line)
+    assert (code, err) == (0, "")
+    assert out.startswith("60 rows, v in m/s, mu from column 2\n\nlaw ")
+    assert "delta =" not in out
+    assert (tmp_path / "fit.svg").is_file()
 
 
 def test_from_a_file_to_a_page(tmp_path, run):
@@ -46,7 +75,7 @@ def test_numbers_for_a_program(tmp_path, run):
     line = ["study", "linear", "-c", "1.2", "-p", "mu_s=0.50+/-0.02", "-o", "page.html", "--json"]
     code, out, err = run(*line)
     assert (code, err) == (0, "")
-    shown = json.loads(out)
+    shown = read_json(out)
     law = ss.laws.linear.typical(mu_s="0.50+/-0.02")
     found = ss.study(law, ss.Oscillator(m=1, k=100, c=1.2, V=0.5, N=9.81))
     assert (shown["command"], shown["page"], shown["study"]["verdict"]) == ("study", "page.html", found.verdict)
