@@ -76,8 +76,8 @@ def test_its_criteria_are_exact_closed_forms(law, form, criterion):
 def test_a_wrong_curve_has_another_criterion(law):
     """The agreement above would be worth nothing if a thousandth in one point did not show."""
     changed = ss.FrictionLaw.from_samples(SPEEDS, [*COEFFICIENTS[:3], "0.341", *COEFFICIENTS[4:]])
-    values = [float(ss.quadrature.damping(one, V="0.3", N=1, digits=15)) for one in (law, changed)]
-    assert abs(values[0] - values[1]) > 1e-5 * abs(values[0])
+    right, wrong = (float(ss.quadrature.damping(one, V="0.3", N=1, digits=15)) for one in (law, changed))
+    assert abs(right - wrong) > 1e-5 * abs(right)
 
 
 def test_speeds_beyond_the_last_are_refused(law, form):
