@@ -14,11 +14,7 @@ def test_every_way_to_write_one_is_the_same():
     rng = np.random.default_rng(5)
     for _ in range(20):
         number, error = round(rng.uniform(0.1, 0.9), 2), int(rng.integers(1, 99))
-        texts = [
-            f"{number:.2f}({error})",
-            f"{number:.2f}+/-{error / 100:.2f}",
-            f"{number:.2f} ± {error / 100:.2f}",
-        ]
+        texts = [f"{number:.2f}{end}" for end in (f"({error})", f"+/-{error / 100:.2f}", f" ± {error / 100:.2f}")]
         for value in (*texts, uncertainties.ufloat(number, error / 100)):
             law = ss.FrictionLaw(FORMULA).bind(mu_s=value)
             assert float(law.values["mu_s"]) == number

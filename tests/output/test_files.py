@@ -3,6 +3,7 @@
 import os
 import shutil
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -16,13 +17,8 @@ from stickslip_sym.output import drawing, files
 
 def test_a_null_byte_in_a_name_is_refused(tmp_path):
     motion = ss.simulate(ss.laws.exponential.typical(), paper_oscillator(2.3), t_end=0.1)
-    for use in (
-        ss.FrictionLaw.from_csv,
-        ss.load,
-        motion.to_csv,
-        motion.plot,
-        lambda path: ss.save(ss.laws.linear, path),
-    ):
+    save = partial(ss.save, ss.laws.linear)
+    for use in (ss.FrictionLaw.from_csv, ss.load, motion.to_csv, motion.plot, save):
         with pytest.raises(ss.InputError):
             use(tmp_path / "a\0b.png")
     assert list(tmp_path.iterdir()) == []
