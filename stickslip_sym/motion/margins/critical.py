@@ -26,6 +26,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, sure_gap
+from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.motion.roots import closest, sign_changes
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.thresholds.averages import slope_mean
@@ -287,6 +288,8 @@ class _Search:
             near = np.abs(off) <= _NEAR * (np.abs(off + self.c) + abs(self.c))
         near[:-1] |= np.sign(off[:-1]) != np.sign(off[1:])
         near = np.convolve(near & np.isfinite(off) & (self.of in "VN"), np.ones(5), "same") > 0
+        if self.of == "V" and near.any() and obstacle(self.law, math.inf) is None:
+            return x[near]  # far from there the average of a smooth law has the threshold's sign
         return x[near | ((eta >= _WEAKEST) & (eta <= _STRONGEST))]
 
     # -- roots -------------------------------------------------------------------------------------
