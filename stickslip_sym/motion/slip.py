@@ -4,13 +4,13 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core.aliases import FloatArray, IntArray
-from stickslip_sym.core.deadline import check_time
+from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import InputError, NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
@@ -51,60 +51,54 @@ class Wedge(NamedTuple):
     shifts: Sequence[float] | FloatArray
 
 
-class Slip(NamedTuple):
-    """The end of a slip: why, when, where, and with which rate and wedge.
+Number = TypeVar("Number")
 
-    - `rate`: w' there.
-    - `wedge`: D there.
-    - `taken`: how many steps it took.
-    - `extremes`: the least and the largest q, and w, at the ends of its steps.
+
+class Slip(NamedTuple, Generic[Number]):
+    """The end of a slip, or of many as arrays: why, when, where, and how far it went.
+
+    - `end`: an `End`, or the numbers of them.
+    - `rate`, `wedge`: w' and D there.
+    - `taken`, `passed`: how many steps it took, and how often the mass passed the belt's speed.
+    - `q_least` to `u_most`: extremes of q, and of u = side w, at the ends of its steps.
     - `steps`: all of them where they were recorded.
     """
 
-    end: End
-    tau: float
-    q: float
-    w: float
-    rate: float
-    wedge: float
-    taken: int
-    extremes: tuple[float, float, float, float]
-    steps: list[Step]
+    end: Any
+    tau: Number
+    q: Number
+    w: Number
+    side: Number
+    rate: Number
+    wedge: Number
+    taken: Number
+    passed: Number
+    q_least: Number
+    q_most: Number
+    u_least: Number
+    u_most: Number
+    steps: Sequence[Step] = ()
 
-
-class Slips(NamedTuple):
-    """The ends of many slips: an array of each field of a `Slip` but its steps."""
-
-    end: FloatArray
-    tau: FloatArray
-    q: FloatArray
-    w: FloatArray
-    rate: FloatArray
-    wedge: FloatArray
-    taken: FloatArray
-    extremes: FloatArray
-
-    def one(self, number: int) -> Slip:
-        """Return one of them."""
-        end, tau, q, w, rate, wedge, taken, extremes = (column[number].tolist() for column in self)
-        return Slip(End(end), tau, q, w, rate, wedge, taken, tuple(extremes), [])
+    def one(self, number: int) -> "Slip[float]":
+        """Return one of many."""
+        end, *numbers = (column[number].item() for column in self[:-1])  # type: ignore[index]  # of arrays
+        return Slip(End(end), *numbers)
 
 
 @compilable
 def _follow_all(
-    rise: Any, eta: Any, zeta: Any, push: Any, side: Any, q: Any, w: Any, horizon: Any, most: Any, rtol: float,
-    until: int, level: float, wedge: Any, found: Any,
+    rise: Any, eta: Any, zeta: Any, push: Any, hold: Any, side: Any, q: Any, w: Any, horizon: Any, most: Any,
+    passes: Any, rtol: float, until: int, level: float, wedge: Any, found: Any,
 ) -> None:  # fmt: skip
     """Follow many slips, an entry of each array for each, into rows of `found`."""
     for i in range(len(q)):
-        end, tau, q_end, w_end, rate, D, taken, extremes, _ = follow(
-            rise, eta[i], zeta[i], push[i], side[i], q[i], w[i], horizon[i], rtol, until, level, int(most[i]),
-            wedge, False,
+        end, state, far, _ = follow(
+            rise, eta[i], zeta[i], push[i], hold[i], side[i], q[i], w[i], horizon[i], int(most[i]), int(passes[i]),
+            rtol, until, level, wedge, False,
         )  # fmt: skip
-        found[i, 0], found[i, 1], found[i, 2], found[i, 3] = end.value, tau, q_end, w_end
-        found[i, 4], found[i, 5], found[i, 6] = rate, D, taken
-        for j in range(4):
-            found[i, 7 + j] = extremes[j]
+        found[i, 0] = end.value
+        found[i, 1], found[i, 2], found[i, 3], found[i, 4], found[i, 5], found[i, 6] = state
+        found[i, 7], found[i, 8], found[i, 9], found[i, 10], found[i, 11], found[i, 12] = far
 
 
 @compilable
@@ -203,6 +197,10 @@ class Dimensionless:
         """Whether static friction holds the mass at a displacement, or at many: |c V + k x| <= mu_static N."""
         return (q <= 0) & (q >= -2 * self.eta * self.table.static)
 
+    def slip_speed(self, q: Any, u: Any) -> tuple[Any, Any]:
+        """Return w and side for velocities u over the belt's; at the belt's speed, to where the mass leaves."""
+        return np.abs(1 - u), np.where((u < 1) | ((u == 1) & (q >= 0)), 1.0, -1.0)
+
     @property
     def horizon(self) -> float:
         """How long to wait for the end of a slip, in 1/omega."""
@@ -214,13 +212,14 @@ class Dimensionless:
         return Wedge(0.0, 0.0, 0.0, self.rise.pieces, [0.0] * len(self.rise.jumps))
 
     def slip(
-        self, q: float, w: float, side: int = 1, *, until: End = End.RETURN, level: float = math.inf,
-        horizon: float | None = None, rtol: float = TIGHT, wedge: Wedge | None = None, D: float = 0.0,
-        most: int | None = None, recorded: bool = False,
-    ) -> Slip:  # fmt: skip
+        self, q: float, w: float, side: float = 1, *, passes: int = 0, until: End = End.RETURN,
+        level: float = math.inf, horizon: float | None = None, rtol: float = TIGHT, wedge: Wedge | None = None,
+        D: float = 0.0, most: int | None = None, recorded: bool = False,
+    ) -> Slip[float]:  # fmt: skip
         """Follow one slip from (q, w), in plain Python.
 
         - `side`: 1 where the mass is slower than the belt, -1 where it is faster.
+        - `passes`: how often it may pass the belt's speed where it does not stick; with none steps are recorded.
         - `until`: one more end beside `RETURN`: `MINIMUM`, `MAXIMUM`, or `LEVEL`, where w comes to `level`.
         - `level`: of w, at which a step ends in any case.
         - `horizon`: tau at which to stop; if not given, when nothing but a creep to rest can be left.
@@ -236,82 +235,86 @@ class Dimensionless:
         """
         end_tau = self.horizon if horizon is None else horizon
         more = 0.0 if horizon is None else _MORE_STEPS * len(self.rise.jumps) * end_tau
-        end, *numbers, steps = follow(
-            self.rise, self.eta, self.zeta, self.push(side), float(side), float(q), float(w), end_tau, rtol,
-            int(until), level, math.ceil(_MOST_STEPS + more) if most is None else most,
-            (wedge is not None, D, tuple(wedge or self.no_wedge)), recorded,
+        end, state, far, steps = follow(
+            self.rise, self.eta, self.zeta, self.push(side), 2 * self.eta * self.table.static, float(side),
+            float(q), float(w), end_tau, math.ceil(_MOST_STEPS + more) if most is None else most, passes, rtol,
+            int(until), level, (wedge is not None, D, tuple(wedge or self.no_wedge)), recorded,
         )  # fmt: skip
-        slip = Slip._make((End(end), *numbers, [Step(*step) for step in steps]))
+        slip: Slip[float] = Slip._make((End(end), *state, *far, [Step(*step) for step in steps]))
         if most is None and (refusal := self.refusal(slip, rtol)) is not None:
             raise refusal
         return slip
 
     def slips(
         self, q: FloatArray, w: FloatArray, side: ArrayLike = 1.0, *, eta: ArrayLike | None = None,
-        zeta: ArrayLike | None = None, until: End = End.RETURN, level: float = math.inf,
-        horizon: ArrayLike | None = None, rtol: float = TIGHT, most: ArrayLike = _MOST_STEPS, few: int = _FEW,
+        zeta: ArrayLike | None = None, passes: ArrayLike = 0, until: End = End.RETURN, level: float = math.inf,
+        horizon: float | None = None, rtol: float = TIGHT, most: int = _MOST_STEPS, few: int = _FEW,
         workers: int = 1,
-    ) -> Slips:  # fmt: skip
+    ) -> Slip[FloatArray]:  # fmt: skip
         """Follow many slips, compiled where numba is there; arguments as for `slip`, nothing is refused.
 
         - `eta`, `zeta`: where they are not this system's.
         - `few`: how many are followed in plain Python.
         - `workers`: a number of threads, -1 for all processors.
 
-        Raises `OutOfTime` when the time of a `time_limit` is up, which is looked at between batches.
+        When the time of a `time_limit` is up, which is looked at between batches, the end of what is left is LATE.
         """
         etas, zetas = (self.eta if eta is None else eta), (self.zeta if zeta is None else zeta)
-        push = np.multiply(etas, np.multiply(side, self.table.static) - self.table.onset)
         end_tau = self.horizon if horizon is None else horizon
-        columns = np.broadcast_arrays(etas, zetas, push, side, q, w, end_tau, most)
-        found = self.spread(_follow_all, columns, (rtol, int(until), level), 11, few=few, workers=workers)
-        check_time()
-        return Slips._make((*found[:, :7].T, found[:, 7:]))
+        static, onset = self.table.static, self.table.onset
+        push, hold = np.multiply(etas, np.multiply(side, static) - onset), np.multiply(etas, 2 * static)
+        columns = np.broadcast_arrays(etas, zetas, push, hold, side, q, w, end_tau, most, passes)
+        sides, u, none = columns[4], np.multiply(side, w), np.zeros(columns[5].shape)
+        found = np.column_stack([none + End.LATE, none, q, w, sides, *[none] * 4, q, q, u, u])
+        halves = min(float(np.max(passes, initial=0)), end_tau / math.pi)
+        batch = math.ceil(_BATCH / (1.0 + halves))
+        arguments = rtol, int(until), level
+        self.spread(_follow_all, columns, arguments, found, few=few, batch=batch, workers=workers)
+        return Slip(*found.T)
 
     def states(
-        self, steps: Sequence[Step], which: IntArray, tau: FloatArray, side: int, rtol: float
+        self, steps: Sequence[Step], which: IntArray, tau: FloatArray, side: float, rtol: float
     ) -> tuple[FloatArray, FloatArray]:
         """Return q and w at times within recorded steps, each by one shorter step from the begin of its step.
 
         - `which`: the number of the step for each time.
         """
         begin, q, w, rate, _, segment, implicit = np.array(steps, dtype=np.float64)[which].T
-        system = self.eta, self.push(side), float(side), 2.0 * self.zeta
-        columns = begin, q, w, rate, segment, implicit, tau
-        q, w = self.spread(_states, columns, (system, rtol), 2, few=_FEW_STATES).T
-        return q, w
+        system = self.eta, self.push(side), side, 2.0 * self.zeta
+        columns, found = (begin, q, w, rate, segment, implicit, tau), np.empty((len(tau), 2))
+        self.spread(_states, columns, (system, rtol), found, few=_FEW_STATES)
+        check_time()
+        return found[:, 0], found[:, 1]
 
     def spread(
         self, loop: Callable[..., None], columns: Sequence[FloatArray], arguments: tuple[Any, ...],
-        width: int, *, few: int = _FEW, workers: int = 1,
-    ) -> FloatArray:  # fmt: skip
+        found: FloatArray, *, few: int = _FEW, batch: int = _BATCH, workers: int = 1,
+    ) -> None:  # fmt: skip
         """Carry out a loop over many motions, compiled where numba is there and they are more than a few.
 
         The loop gets the rise, columns with an entry for each motion, arguments, a wedge that is not wanted, and
-        rows of a width for its results, which are returned.
+        the rows for its results.
 
-        Raises `OutOfTime` when the time of a `time_limit` is up before a batch after the first.
+        - `found`: these; rows that are not reached when the time of a `time_limit` is up stay as they are.
+        - `batch`: how many motions there are between two looks at the time.
         """
         fast = len(columns[0]) > few and is_compiling()
         rise = self.table.at(self.V, arrays=fast)
         shifts = np.zeros(len(rise.jumps))
         wedge = False, 0.0, (0.0, 0.0, 0.0, rise.pieces, shifts)
         run = compiled(loop) if fast else loop
-        found = np.empty((len(columns[0]), width))
 
         def carry_out(some: slice) -> bool:
-            if some.start:
-                check_time()
-            parts = [np.array(column[some], dtype=np.float64) for column in columns]
-            given = parts if fast else [part.tolist() for part in parts]
-            run(rise, *given, *arguments, wedge, found[some])
+            if not (some.start and is_late()):
+                parts = [np.array(column[some], dtype=np.float64) for column in columns]
+                given = parts if fast else [part.tolist() for part in parts]
+                run(rise, *given, *arguments, wedge, found[some])
             return True
 
-        length = _BATCH if fast else max(len(found), 1)  # plain Python looks at the time limit itself
+        length = batch if fast else max(len(found), 1)  # plain Python looks at the time limit itself
         parts = [slice(low, low + length) for low in range(0, len(found), length)]
         if None in collect(carry_out, parts, workers=workers):
             raise KeyboardInterrupt
-        return found
 
     def unmeasured(self, w: float) -> InputError:
         """Return the refusal of a slip speed beyond the last measured one."""
@@ -320,7 +323,7 @@ class Dimensionless:
             "measure further, or hold the last coefficient: extrapolate=True"
         )
 
-    def refusal(self, slip: Slip, rtol: float) -> StickSlipError | None:
+    def refusal(self, slip: Slip[float], rtol: float) -> StickSlipError | None:
         """Return why a slip has no answer; None where it has one, or grows without bound."""
         if slip.end is End.LATE:
             return OutOfTime("the time limit was reached")
@@ -340,6 +343,6 @@ class Dimensionless:
             "mu may have no finite value there; try a larger rtol or another law"
         )
 
-    def unbounded(self, slip: Slip) -> bool:
+    def unbounded(self, slip: Slip[float]) -> bool:
         """Whether a slip grew beyond all bounds, and so out of the table."""
         return slip.end is End.OUTSIDE and slip.w * self.V >= FARTHEST * (1 - 1e-13)

@@ -1,4 +1,4 @@
-"""One slip phase: from where it begins to where it ends, whatever the law.
+"""Slip, from where it begins to where it ends, whatever the law.
 
 In units of the belt's speed V, of 1/omega and of V/omega: w = |V - x'|/V >= 0 is the slip speed, q the
 displacement from the point P where every forward stick phase ends, and side = 1 where the mass is slower than
@@ -14,6 +14,9 @@ something happens: at an extremum of w, at a kink, at the belt's speed. So w is 
 is located before a crossing of w = 0: an orbit that grazes the belt's speed touches 0 and turns within a step, and
 no change of sign is left to see. A state between two steps is one shorter step from the first.
 
+At w = 0 static friction holds the mass where |c V + k x| <= mu_static N, from q = -hold = -2 eta mu_static to P.
+Anywhere else the mass passes the belt's speed: side changes its sign, and w grows from 0 again.
+
 Where mu jumps up, the rates on both sides may lead to the jump: the mass then slides at the slip speed of the
 jump, w is constant and q a straight line, until one of the rates turns (Filippov's sliding mode).
 
@@ -23,7 +26,7 @@ with the derivative of the state obeys one scalar equation, since div f does not
     D' = (div f) D + (1 - side w) dw'/dp,    div f = -eta V mu'(V w) - 2 zeta.
 
 At an extremum dw/dp = D/(1 - side w); at a level of w that p does not move, dq/dp = -D/w'. Where mu jumps at a
-level b(p), D - (1 - side w) db/dp changes as w' does.
+level b(p), D - (1 - side w) db/dp changes as w' does; and so does D where the mass passes the belt's speed.
 
 Explicit steps are those of DOP853, a Runge-Kutta method of order 8; in a fast decay of w they are those of the
 linearly implicit Euler method, extrapolated to order 8. A step that is to end at an extremum of w, or at a level,
@@ -52,7 +55,7 @@ class End(IntEnum):
     """Why a slip ended."""
 
     OPEN = -1  # it did not
-    RETURN = 0  # w came down to 0
+    RETURN = 0  # w came down to 0, where the mass sticks, or may not pass the belt's speed once more
     MINIMUM = 1  # w turned before; an orbit that left P then never returns, since orbits in a plane do not cross
     MAXIMUM = 2  # w turned down
     LEVEL = 3  # w came to the level asked for
@@ -354,15 +357,20 @@ def _bend(law: Any, system: Any, w: float, r: float) -> float:
 
 @compilable
 def follow(
-    rise: Any, eta: float, zeta: float, push: float, side: float, q: float, w: float, horizon: float, rtol: float,
-    until: int, level: float, most: int, wedge: Any, recorded: bool,
+    rise: Any, eta: float, zeta: float, push: float, hold: float, side: float, q: float, w: float, horizon: float,
+    most: int, passes: int, rtol: float, until: int, level: float, wedge: Any, recorded: bool,
 ) -> Any:  # fmt: skip
-    """Follow a slip, and return its end, tau, q, w, w', the wedge, the number of steps, extremes, and all steps.
+    """Follow slip, and return its end, the state there, how far it went, and all steps.
+
+    The state is tau, q, w, side, w' and the wedge; how far: the numbers of steps and of passes, and the least and
+    the largest q, and side w, at the ends of the steps.
 
     - `push`: eta (side mu_static - mu(0+)).
+    - `hold`: 2 eta mu_static.
+    - `most`: how many steps it may take.
+    - `passes`: how often the mass may pass the belt's speed.
     - `until`: the number of one more `End` at which it stops: a minimum, a maximum or a level of w.
     - `level`: of w, at which a step ends in any case.
-    - `most`: how many steps it may take.
     - `wedge`: whether it is wanted, its value at the begin, and the fields of a `Wedge`.
     """
     pieces, levels, firsts, jumps = rise
@@ -371,12 +379,12 @@ def follow(
     system = (eta, push, side, damping)
     steps = [(0.0, 0.0, 0.0, 0.0, 0.0, 0, False)]
     steps.pop()
-    tau, count, held, implicit, h, again = 0.0, 0, 0, False, 0.0, False
-    q_least, q_most, w_least, w_most = q, q, w, w
+    tau, count, passed, held, implicit, h, again = 0.0, 0, 0, 0, False, 0.0, False
+    q_least, q_most, u_least, u_most = q, q, side * w, side * w
     segments = len(firsts) - 1
     farthest = levels[segments]
     if not (w <= farthest and abs(q) < math.inf):
-        return End.OUTSIDE, tau, q, w, 0.0, D, count, (q, q, w, w), steps
+        return End.OUTSIDE, (tau, q, w, side, 0.0, D), (count, passed, q, q, u_least, u_most), steps
     segment = 0
     while segment + 1 < segments and w >= levels[segment + 1]:
         segment += 1
@@ -483,7 +491,8 @@ def follow(
             steps.append((tau, q, w, r, taken, segment, implicit))
         tau = horizon if event == End.OPEN and h == horizon - tau else tau + taken
         q, w, r, D = q_now, w_now, r_now, D_now
-        q_least, q_most, w_least, w_most = min(q_least, q), max(q_most, q), min(w_least, w), max(w_most, w)
+        q_least, q_most = min(q_least, q), max(q_most, q)
+        u_least, u_most = min(u_least, side * w), max(u_most, side * w)
         count += 1
         law = (pieces, law[1], law[2], interval(pieces, law[1], law[2], law[3], w))
         if (
@@ -493,18 +502,25 @@ def follow(
         ):
             end = End.REST
         elif event == End.LEVEL:
-            if target == 0.0:
+            if target == 0.0 and (passed == passes or -hold <= q <= 0.0):
                 end = End.RETURN
+            elif target == 0.0:
+                before, passed, rising = side, passed + 1, True
+                side = 1.0 if q > 0.0 else -1.0
+                push += 0.5 * (side - before) * hold
+                system = (eta, push, side, damping)
+                across = rate_at(law, system, q, w)
+                D, r = D * across / r, across
             elif target == farthest and not inner:
                 end = End.OUTSIDE
             elif until == End.LEVEL and level == target:
                 end = End.LEVEL
-            arrived = not inner
+            arrived = not inner and target != 0.0
         elif event != End.OPEN:
             r, rising = 0.0, not rising
             if until == event:
                 end = event
-    return end, tau, q, w, r, D, count, (q_least, q_most, w_least, w_most), steps
+    return end, (tau, q, w, side, r, D), (count, passed, q_least, q_most, u_least, u_most), steps
 
 
 @compilable

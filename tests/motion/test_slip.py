@@ -33,8 +33,7 @@ def test_one_slip_and_many_give_the_same_digits(compiling, monkeypatch):
             single = system.slip(q, w, side, **options)
             many = system.slips(np.full(20, q), np.full(20, w), side, **options).one(7)  # fewer are plain
             assert many.end is single.end
-            assert many[1:7] == pytest.approx(single[1:7], rel=1e-13, abs=1e-13)
-            assert many.extremes == pytest.approx(single.extremes, rel=1e-13, abs=1e-13)
+            assert many[1:-1] == pytest.approx(single[1:-1], rel=1e-13, abs=1e-13)
 
 
 def test_workers_give_the_same():

@@ -151,7 +151,8 @@ class _Decider:
         """Return what a loop finds of orbits, by the numbers of their cells and amplitudes over V."""
         eta = self.eta[cell]
         push = eta * (self.table.static - self.table.onset)
-        found = self.system.spread(loop, (eta, push, A, *columns), (SIGNS,), width, few=0)
+        found = np.empty((cell.size, width))
+        self.system.spread(loop, (eta, push, A, *columns), (SIGNS,), found, few=0)
         check_time()
         return found
 

@@ -97,26 +97,24 @@ def halves(
     # From here on q is the displacement from rest: near w = 1 its errors are to be small beside that.
     rest = 2.0 * zeta - push + at_rest
     push, q, graze = push + rest, q - rest, graze - rest
-    wedge = (wanted, D, source)
-    end, tau, q_f, w_f, r_f, D_f, _, _, _ = follow(
-        rise, eta, zeta, push, 1.0, q, w, horizon, rtol, End.MAXIMUM.value, math.inf, _MOST_STEPS, wedge, False
-    )
-    highest = w_f
+    end, (tau, q_f, highest, _, r_f, D_f), _, _ = follow(
+        rise, eta, zeta, push, 0.0, 1.0, q, w, horizon, _MOST_STEPS, 0, rtol, End.MAXIMUM.value, math.inf,
+        (wanted, D, source), False,
+    )  # fmt: skip
     if end == End.MAXIMUM:
-        wedge_there = (wanted, D_f, source)
-        end, more, q_f, w_f, r_f, D_f, _, _, _ = follow(
-            rise, eta, zeta, push, 1.0, q_f, w_f, horizon, rtol, End.LEVEL.value, 1.0, _MOST_STEPS, wedge_there,
-            False,
+        end, (more, _, _, _, r_f, D_f), _, _ = follow(
+            rise, eta, zeta, push, 0.0, 1.0, q_f, highest, horizon, _MOST_STEPS, 0, rtol, End.LEVEL.value, 1.0,
+            (wanted, D_f, source), False,
         )  # fmt: skip
         tau += more
     stopped = (End.STEPS, End.FAILED, End.LATE)
     way = 1 if end == End.LEVEL else -1 if end == End.OUTSIDE else -2 if end in stopped else 0
     # Backward in time the equations are the same, with q and all of their factors negated.
     constant, linear, factor, own, shifts = source
-    wedge = (wanted, D, (-constant, -linear, -factor, own, shifts))
-    end, tau_b, _, _, r_b, D_b, _, _, _ = follow(
-        rise, -eta, -zeta, -push, 1.0, -graze, w, horizon, rtol, End.LEVEL.value, 1.0, _MOST_STEPS, wedge, False
-    )
+    end, (tau_b, _, _, _, r_b, D_b), _, _ = follow(
+        rise, -eta, -zeta, -push, 0.0, 1.0, -graze, w, horizon, _MOST_STEPS, 0, rtol, End.LEVEL.value, 1.0,
+        (wanted, D, (-constant, -linear, -factor, own, shifts)), False,
+    )  # fmt: skip
     back = 1 if end == End.LEVEL else -2 if end in stopped else 0
     r_b = -r_b
     jump = eta * (_standing(pieces, True) - _standing(pieces, False)) if way == 1 and back == 1 else 0.0
@@ -293,8 +291,9 @@ def needed_ratio(
     loosest = _STIFF if abs(eta) > _STRONG else TIGHT
     tight = next((steps for steps in (loosest, TIGHT) if steps <= wanted), _TIGHTEST)
     orbit = tuple(np.array([value]) for value in (eta, push, A))
-    (row,) = system.spread(needed_all, orbit, (tight,), 5, few=0 if fast else 1).tolist()
-    how, zeta, error, low, high = row
+    found = np.empty((1, 5))
+    system.spread(needed_all, orbit, (tight,), found, few=0 if fast else 1)
+    how, zeta, error, low, high = found[0].tolist()
     if how == Found.LATE or is_late():  # then the last gap may be wrong
         raise OutOfTime(
             f"the time limit was reached; the best value so far is c = {2 * zeta:.6g} sqrt(k m), and c lies "

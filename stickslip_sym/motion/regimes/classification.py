@@ -113,14 +113,14 @@ def classify(
 def followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray, workers: int = 1) -> ObjectArray:
     """Return what initial conditions, rows x0 and v0, lead to, or errors: by slips, up to where the regime knows.
 
-    Slips are followed together, those slower than the belt and those faster, until each motion has come to stick,
-    to a peak below the belt's speed, to rest, or round P's orbit.
+    Slips are followed until each motion has come to stick, to a peak below the belt's speed, to rest, or where
+    slip slower than the belt begins outside P's orbit; from there a round says where it goes.
     """
     plane, (x, v) = kept_regime(law, osc, rtol), points
     system = plane.system
-    q, w, side = (x - osc.onset(law)) / osc.length, np.abs(1 - v / osc.V), np.where(v < osc.V, 1.0, -1.0)
+    q = (x - osc.onset(law)) / osc.length
+    w, side = system.slip_speed(q, v / osc.V)
     found = np.full(q.shape, None, dtype=object)
-    begun = np.full(q.shape, np.nan)  # where slip slower than the belt began, outside P's orbit
 
     def decide(rows: IntArray, motion: Callable[[], Any]) -> None:
         if rows.size:
@@ -132,34 +132,32 @@ def followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray,
     rest, near = system.turn(1.0), NEAR * rtol
     at_rest = (side > 0) & (np.abs(w - 1) <= near) & (np.abs(q - rest) <= near * max(1.0, abs(rest)))
     decide(np.flatnonzero(at_rest), lambda: plane.at_rest)
-    left = np.flatnonzero(~at_rest)
+    stuck = (w == 0) & system.sticks(q) & ~at_rest
+    decide(np.flatnonzero(stuck), lambda: plane.from_onset)
+    left = np.flatnonzero(~(at_rest | stuck))
+    begun = np.where((w == 0) & (side > 0), q, np.nan)  # where slip slower than the belt began, outside P's orbit
     while left.size:
-        on_belt = left[w[left] == 0]
-        stuck = system.sticks(q[on_belt])
-        decide(on_belt[stuck], lambda: plane.from_onset)
-        side[on_belt] = np.where(q[on_belt] >= 0, 1.0, -1.0)
-        slower = on_belt[~stuck & (q[on_belt] >= 0)]
-        again = slower[~np.isnan(begun[slower])]
-        decide(again, partial(plane.of_rounds, begun[again], q[again]))
-        begun[slower] = q[slower]
-        left = left[~found[left].astype(bool)]
-        try:
-            slips = system.slips(q[left], w[left], side[left], until=End.MINIMUM, rtol=rtol, workers=workers)
-        except StickSlipError as error:
-            found[left] = error
-            break
-        q[left], w[left] = slips.q, slips.w
+        slips = system.slips(
+            q[left], w[left], side[left], passes=side[left] > 0, until=End.MINIMUM, rtol=rtol, workers=workers
+        )
         decide(left[slips.end == End.REST], lambda: plane.at_rest)
         decide(left[slips.end == End.HORIZON], lambda: Motion.UNDECIDED)
         turned = slips.end == End.MINIMUM
         decide(left[turned], partial(plane.of_peaks, 1 - slips.w[turned]))
         for i in np.flatnonzero(np.isin(slips.end, (End.OUTSIDE, End.STEPS, End.FAILED, End.LATE))).tolist():
             decide(left[i : i + 1], partial(_away, plane, slips.one(i)))
-        left = left[slips.end == End.RETURN]
+        back = slips.end == End.RETURN
+        stuck = back & system.sticks(slips.q)
+        decide(left[stuck], lambda: plane.from_onset)
+        left, ends = left[back & ~stuck], slips.q[back & ~stuck]
+        again = ~np.isnan(begun[left])
+        decide(left[again], partial(plane.of_rounds, begun[left[again]], ends[again]))
+        begun[left], q[left], w[left], side[left] = ends, ends, 0.0, 1.0
+        left = left[~again]
     return found
 
 
-def _away(plane: Regime, slip: Slip) -> Motion:
+def _away(plane: Regime, slip: Slip[float]) -> Motion:
     """Return what a slip that came out of the law's table leads to, or raise what kept it from an end."""
     refusal = plane.system.refusal(slip, plane.rtol)
     if refusal is not None:

@@ -203,9 +203,8 @@ class Regime(drawing.Drawn):
         # By differences: where mu falls without bound at rest, as v^0.8, a wedge is lost in the first step.
         step = _STEP * q
         factor = 1 + (self._gain(q + step) - self._gain(q - step)) / (2 * step)
-        slow = self.system.slip(q, 0.0, 1, until=End.MINIMUM, rtol=self.rtol)
-        fast = self.system.slip(slow.q, 0.0, -1, rtol=self.rtol)
-        return LimitCycle.of(self.oscillator, 1 + fast.extremes[-1], slow.tau + fast.tau, factor)
+        whole = self.system.slip(q, 0.0, passes=1, rtol=self.rtol)
+        return LimitCycle.of(self.oscillator, 1 - whole.u_least, whole.tau, factor)
 
     @property
     def cycles(self) -> tuple[LimitCycle, ...]:

@@ -34,18 +34,12 @@ def rounds(
     Returns the q where slip slower than the belt begins again: NaN if the mass sticks before, 0 if it stays slower
       than the belt, infinity if it moves away for ever or beyond what was measured, and -1 if that is unknown.
     """
-    ends, going = np.array(q, dtype=np.float64), np.arange(q.size)
-    eta = np.full(q.shape, system.eta) if eta is None else eta
-    zeta = np.full(q.shape, system.zeta) if zeta is None else zeta
-    for side in (1.0, -1.0):
-        slips = system.slips(
-            ends[going], np.zeros(going.size), np.full(going.size, side), eta=eta[going], zeta=zeta[going],
-            until=End.MINIMUM, rtol=rtol, **options,
-        )  # fmt: skip
-        back = slips.end == End.RETURN
-        slower = np.isin(slips.end, (End.MINIMUM, End.REST, End.HORIZON))
-        ends[going] = np.select([back, slower, slips.end == End.OUTSIDE], [slips.q, 0.0, math.inf], -1.0)
-        sticks = back & (slips.q <= 0) & (slips.q >= -2 * eta[going] * system.table.static)
-        ends[going[sticks]] = math.nan
-        going = going[back & ~sticks]
-    return ends
+    at_belt_speed = np.zeros_like(q)
+    slips = system.slips(
+        q, at_belt_speed, eta=eta, zeta=zeta, passes=1, until=End.MINIMUM, rtol=rtol, **options
+    )  # fmt: skip
+    # Slip faster than the belt ends where that slower than it begins, or where the mass sticks.
+    back = slips.end == End.RETURN
+    slower = np.isin(slips.end, (End.MINIMUM, End.REST, End.HORIZON))
+    sticks = back & (slips.q <= 0)
+    return np.select([sticks, back, slower, slips.end == End.OUTSIDE], [math.nan, slips.q, 0.0, math.inf], -1.0)

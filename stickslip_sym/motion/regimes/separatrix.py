@@ -22,12 +22,12 @@ _DEGREE = 12  # of the polynomials within a step, whose remainder is below the t
 _HALVINGS = 60  # bisections of a step, after which a place on it is known to rounding
 
 
-def interpolated(back: Dimensionless, slip: Slip, rtol: float) -> tuple[Any, Any]:
+def interpolated(back: Dimensionless, slip: Slip[float], rtol: float) -> tuple[Any, Any]:
     """Return q and w along a recorded slip of a system backward in time, as polynomials in each of its steps."""
     steps = [step for step in slip.steps if step.length > 0]
     nodes = (1 + chebyshev.chebpts2(_DEGREE + 1)) / 2
     tau = np.array([step.tau + step.length * nodes for step in steps]).ravel()
-    q, w = back.states(steps, np.repeat(np.arange(len(steps)), nodes.size), tau, 1, rtol)
+    q, w = back.states(steps, np.repeat(np.arange(len(steps)), nodes.size), tau, 1.0, rtol)
     powers, number = np.vander(nodes), np.arange(len(steps) + 1.0)
     q, w = (np.linalg.solve(powers, values.reshape(-1, nodes.size).T) for values in (-q, w))
     return PPoly(q, number), PPoly(w, number)

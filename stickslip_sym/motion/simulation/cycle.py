@@ -96,21 +96,18 @@ def stick_slip_cycle(
     law, rtol = as_law(law), read_rtol(rtol)
     with deadline.time_limit(time_limit):
         system = Dimensionless.of(law, osc)
-        slips = [system.slip(0.0, 0.0, until=End.MINIMUM, level=1.0, rtol=rtol)]
-        if slips[0].end is End.RETURN and not system.sticks(slips[0].q):
-            slips.append(system.slip(slips[0].q, 0.0, -1, level=1.0, rtol=rtol))
-    if slips[-1].end is not End.RETURN or not system.sticks(slips[-1].q):
+        slip = system.slip(0.0, 0.0, passes=1, until=End.MINIMUM, level=1.0, rtol=rtol)
+    if slip.end is not End.RETURN or not system.sticks(slip.q):
         return None
-    q, tau, onset = slips[-1].q, sum(slip.tau for slip in slips), osc.onset(law)
-    q_least, q_most, _, w_most = zip(*(slip.extremes for slip in slips), strict=True)
+    onset = osc.onset(law)
     return StickSlipCycle(
-        period=(tau - q) / osc.omega,
-        stick_time=-q / osc.omega,
-        slip_time=tau / osc.omega,
-        x_min=onset + osc.length * min(q_least),
-        x_max=onset + osc.length * max(q_most),
-        v_min=osc.V * (1 - w_most[0]),
-        v_max=osc.V * (1 + sum(w_most[1:])),
+        period=(slip.tau - slip.q) / osc.omega,
+        stick_time=-slip.q / osc.omega,
+        slip_time=slip.tau / osc.omega,
+        x_min=onset + osc.length * slip.q_least,
+        x_max=onset + osc.length * slip.q_most,
+        v_min=osc.V * (1 - slip.u_most),
+        v_max=osc.V * (1 - slip.u_least),
     )
 
 

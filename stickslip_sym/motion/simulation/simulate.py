@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray
-from stickslip_sym.core.errors import InputError, OutOfTime
+from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import read_array, read_rtol, real
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
@@ -128,20 +128,19 @@ def _one(
 ) -> Trajectory:
     """Return the motion from one initial condition; its samples hold the extremes of x and of v."""
     system, x_P, horizon = Dimensionless.of(law, osc), osc.onset(law), t_end * osc.omega
-    stretches, known = list[Stretch](), dict[tuple[float, int], Slip]()
+    stretches, known = list[Stretch](), dict[float, Slip[float]]()
     outcome, note = Outcome.FINISHED, ""
-    tau, steps, q, w, side = 0.0, 0, (x0 - x_P) / osc.length, abs(1 - v0 / osc.V), 1 if v0 < osc.V else -1
+    tau, steps, q, u = 0.0, 0, (x0 - x_P) / osc.length, v0 / osc.V
     while tau < horizon:
+        w, side = map(float, system.slip_speed(q, u))
         if w == 0 and q < 0 and system.sticks(q):
             since = np.array([0.0, min(horizon - tau, -q)])
             samples = np.array([(tau + since) / osc.omega, x_P + osc.length * (q + since), np.full(2, osc.V)])
             stretches.append(Stretch(Phase.STICK, samples))
             tau, q = min(horizon, tau - q), float(q + since[1])
             continue
-        if w == 0:  # at P, or beyond what static friction holds on either side
-            side = 1 if q >= 0 else -1
         # Nothing depends on time itself: a slip from where one began before is that one again.
-        slip = known.get((q, side)) if w == 0 else None
+        slip = known.get(q) if w == 0 else None
         if slip is None or deadline.is_late() or tau + slip.tau > horizon or steps + slip.taken > max_steps:
             slip = system.slip(
                 q, w, side, level=1.0, horizon=horizon - tau, rtol=rtol, most=max_steps - steps, recorded=True
@@ -150,7 +149,7 @@ def _one(
             if isinstance(refusal, InputError) and not slip.taken:
                 raise refusal
             if w == 0 and slip.end is End.RETURN:
-                known[q, side] = slip
+                known[q] = slip
         since, places, speeds = np.array([*(step[:3] for step in slip.steps), (slip.tau, slip.q, slip.w)]).T
         samples = np.array([
             (tau + since) / osc.omega, x_P + osc.length * places, osc.V * (1 - side * speeds)
@@ -158,7 +157,7 @@ def _one(
         phase = Phase.SLIP_BACK if side > 0 else Phase.SLIP_FORWARD
         course = partial(_course, system, osc, x_P, rtol, slip, tau, side) if slip.steps else None
         stretches.append(Stretch(phase, samples, course))
-        tau, q, w, steps = tau + slip.tau, slip.q, slip.w, steps + slip.taken
+        tau, q, w, u, steps = tau + slip.tau, slip.q, slip.w, 1.0, steps + int(slip.taken)
         if slip.end is not End.RETURN:
             outcome, note = _outcome_of(system, slip, rtol)
             break
@@ -169,7 +168,7 @@ def _one(
 
 
 def _course(
-    system: Dimensionless, osc: Oscillator, x_P: float, rtol: float, slip: Slip, begin: float, side: int,
+    system: Dimensionless, osc: Oscillator, x_P: float, rtol: float, slip: Slip[float], begin: float, side: float,
     t: FloatArray,
 ) -> FloatArray:  # fmt: skip
     """Return the rows x and v at times within a slip that began at tau = begin."""
@@ -190,7 +189,7 @@ def _at_rest(system: Dimensionless, osc: Oscillator, x_P: float, w: float, x: fl
 _OUTCOMES = {End.REST: Outcome.AT_REST, End.STEPS: Outcome.STEP_LIMIT, End.LATE: Outcome.TIME_LIMIT}
 
 
-def _outcome_of(system: Dimensionless, slip: Slip, rtol: float) -> tuple[Outcome, str]:
+def _outcome_of(system: Dimensionless, slip: Slip[float], rtol: float) -> tuple[Outcome, str]:
     """Return what the end of a slip says of the whole motion, and why it does not go on."""
     if slip.end in _OUTCOMES:
         return _OUTCOMES[slip.end], ""
@@ -207,41 +206,32 @@ def _many(
     """Return the ends of the motions from many initial conditions."""
     system, x_P, horizon = Dimensionless.of(law, osc), osc.onset(law), t_end * osc.omega
     q, u = (x0.ravel() - x_P) / osc.length, v0.ravel() / osc.V
-    w, side, tau, first = np.abs(1 - u), np.where(u < 1, 1.0, -1.0), np.zeros(q.size), np.full(q.size, np.nan)
+    w, side = system.slip_speed(q, u)
     lowest, highest = np.array([q, u]), np.array([q, u])
+    tau, first = np.zeros(q.size), np.full(q.size, np.nan)
     outcome, phase = (np.full(q.size, word, dtype=object) for word in (Outcome.FINISHED, None))
-    phases, sticks, steps = (np.zeros(q.size, dtype=np.intp) for _ in range(3))
-    left = np.arange(q.size)
-    while left.size:
-        held = left[(w[left] == 0) & (q[left] < 0) & system.sticks(q[left])]
-        phase[held], first[held] = Phase.STICK, tau[held]
-        phases[held] += 1
-        sticks[held] += 1
-        since = np.minimum(horizon - tau[held], -q[held])
-        tau[held] = np.minimum(horizon, tau[held] - q[held])
-        q[held] += since
-        highest[0] = np.maximum(highest[0], q)
-        left = left[((w[left] > 0) | (q[left] != 0)) & (tau[left] < horizon)]
-        side[left] = np.where(w[left] > 0, side[left], np.sign(q[left]))
-        try:
-            slips = system.slips(
-                q[left], w[left], side[left], level=1.0, horizon=horizon - tau[left], rtol=rtol,
-                most=max_steps - steps[left], workers=workers,
-            )  # fmt: skip
-        except OutOfTime:
-            outcome[left] = Outcome.TIME_LIMIT
-            break
-        phase[left] = np.array([Phase.SLIP_FORWARD, Phase.SLIP_BACK], dtype=object)[(side[left] > 0).astype(int)]
-        phases[left] += 1
-        steps[left] += slips.taken.astype(np.intp)
-        tau[left], q[left], w[left] = tau[left] + slips.tau, slips.q, slips.w
-        reached = np.array([slips.extremes[:, :2], 1 - side[left, None] * slips.extremes[:, 2:]])
-        lowest[:, left] = np.minimum(lowest[:, left], reached.min(axis=2))
-        highest[:, left] = np.maximum(highest[:, left], reached.max(axis=2))
-        for i in np.flatnonzero(~np.isin(slips.end, (End.RETURN, End.HORIZON))).tolist():
-            outcome[left[i]], _ = _outcome_of(system, slips.one(i), rtol)
-        left = left[slips.end == End.RETURN]
+    phases, sticks = (np.zeros(q.size, dtype=np.intp) for _ in range(2))
+    slipping = np.flatnonzero((w > 0) | ~system.sticks(q))
+    slips = system.slips(
+        q[slipping], w[slipping], side[slipping], passes=max_steps, level=1.0, horizon=horizon, rtol=rtol,
+        most=max_steps, workers=workers,
+    )  # fmt: skip
+    tau[slipping], q[slipping], w[slipping], side[slipping] = slips.tau, slips.q, slips.w, slips.side
+    phase[slipping] = np.array([Phase.SLIP_FORWARD, Phase.SLIP_BACK])[(slips.side > 0).astype(int)]
+    phases[slipping] = 1 + slips.passed
+    lowest[:, slipping] = slips.q_least, 1 - slips.u_most
+    highest[:, slipping] = slips.q_most, 1 - slips.u_least
+    for i in np.flatnonzero(~np.isin(slips.end, (End.RETURN, End.HORIZON))).tolist():
+        outcome[slipping[i]], _ = _outcome_of(system, slips.one(i), rtol)
 
+    held = np.flatnonzero((w == 0) & (q < 0) & system.sticks(q) & (tau < horizon))
+    phase[held], first[held] = Phase.STICK, tau[held]
+    phases[held] += 1
+    sticks[held] += 1
+    since = np.minimum(horizon - tau[held], -q[held])
+    tau[held] = np.minimum(horizon, tau[held] - q[held])
+    q[held] += since
+    highest[0] = np.maximum(highest[0], q)
     came = np.flatnonzero((w == 0) & (q == 0) & (tau < horizon))
     t, first = np.where(tau >= horizon, t_end, tau / osc.omega), first / osc.omega
     x, v = x_P + osc.length * q, osc.V * (1 - side * w)
