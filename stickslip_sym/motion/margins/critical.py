@@ -29,6 +29,7 @@ from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, sure_gap
 from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.motion.roots import closest, sign_changes
 from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.steps import TIGHT
 from stickslip_sym.motion.thresholds.averages import slope_mean
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, transit
 from stickslip_sym.motion.thresholds.methods import Method, ask, find_method, methods
@@ -39,15 +40,11 @@ from stickslip_sym.output import markup
 
 _PER_DECADE = 8  # values sampled
 _WHOLE = (1e-12, 1e12)  # of a quantity in SI units, that is sampled
-_WEAKEST, _STRONGEST = 1e-3, 1e2  # N/(V sqrt(k m)) between which V, N, m and k are sought
+_STRENGTHS = (1e-3, 1e2)  # N/(V sqrt(k m)) between which V, N, m and k are sought
 _AROUND = 100.0  # factor above and below a parameter's value within which it is sought
 _NEAR = 0.5  # relative distance of a harmonic average from c, within which a quantity is sought in any case
-_SHARE = 0.4  # of the last measured speed, up to which belt speeds are sought: motions slip at a little over 2 V
-_FINER, _TIGHTEST = 1e-3, 1e-12  # of rtol, the relative error of a threshold at a root; and the smallest
-_CLOSE = 1e-9  # tolerance of a root, relative, which a Newton step with the exact slope then refines
-_DIP = 1e-5  # relative distance from an extremum of the threshold at which it is taken
-_NEWTON = 1e-6  # relative size of that step, up to which it is the last
-_HALVINGS = 8  # bisections of an interval of the grid, for the last value at which mu is known at all speeds
+_FINER = 1e-3  # of rtol, the relative error of a threshold at a root
+_FLAT = math.sqrt(SIGNS)  # relative, whose square is nothing: distance of an extremum or an edge, step of Newton's
 
 
 @dataclass(frozen=True)
@@ -171,7 +168,7 @@ def critical(
     missing = [name for name in ("c", "V", "N") if name not in (of, *numbers)]
     if missing and of != "c":
         raise InputError(f"{' and '.join(missing)} must be given to find {of}: {missing[0]}=...")
-    rtol = read_rtol(rtol, least=1e-12, most=1.0)
+    rtol = read_rtol(rtol, least=TIGHT, most=1.0)
     with deadline.time_limit(time_limit):
         if of == "c":
             one = pure_slip_damping(law, **numbers, method=method, rtol=rtol)
@@ -191,7 +188,7 @@ def excess(points: OperatingPoints, c: float, method: Method | None) -> float:
     if method is not None and method.criterion is not None:
         return float(points.N[0] * slope_mean(points.law, method.criterion, points.V)[0]) - c
     if method is not None and not method.converges:
-        found, _ = ask(points, method, _CLOSE)
+        found, _ = ask(points, method, SIGNS)
         return float(found.value[0]) - c if np.isfinite(found.relative_error[0]) else math.nan
     try:
         system = Dimensionless.of(points.law, points.oscillator(0, c))
@@ -204,14 +201,14 @@ def excess(points: OperatingPoints, c: float, method: Method | None) -> float:
 
 
 def _places(within: Sequence[float] | None) -> FloatArray | None:
-    """Read between which places a value is sought."""
+    """Read at which places a value is sought; None where that is not said."""
     if within is None:
         return None
     places: FloatArray = np.asarray(read_array("within", within), dtype=np.float64)
     ascending = places.ndim == 1 and places.size > 1 and (np.diff(places) > 0).all()
     if not ascending or (places.size == 2 and places.prod() <= 0):
         raise InputError(f"within = {within} must be two numbers of one sign, ascending")
-    return places
+    return places if places.size > 2 else _spaced(*places)
 
 
 class _Search:
@@ -224,7 +221,6 @@ class _Search:
         self, law: FrictionLaw, of: str, values: Mapping[str, float], method: Method | None, rtol: float
     ) -> None:
         self.law, self.of, self.rtol, self.c = law, of, rtol, values["c"]
-        self.tight = max(_FINER * rtol, _TIGHTEST)
         self.quantities: dict[str, Any] = {name: value for name, value in values.items() if name != "c"}
         given = {"m", "k"} <= self.quantities.keys() | {of}
         if method is not None:
@@ -254,20 +250,18 @@ class _Search:
                 f'an average of slopes does not depend on {self.of}; give m and k, and try method="orbit"'
             )
         else:
-            roots = self._roots(self._grid(within))
+            roots = self._roots(self._grid() if within is None else within)
         results = sorted(map(self._result, roots), key=lambda one: one.value)
         return tuple(map(self._proved, results)) if self.proof else tuple(results)
 
     # -- where to look -----------------------------------------------------------------------------
 
-    def _grid(self, within: FloatArray | None) -> FloatArray:
+    def _grid(self) -> FloatArray:
         """Return the values at which the excess is sampled, ascending.
 
         Of a quantity all for an average, else where friction is neither weak nor very strong, and where the
         harmonic average, the limit for weak friction, comes close to c.
         """
-        if within is not None:
-            return within if within.size > 2 else _spaced(*within)
         if not self.is_quantity:
             value = float(self.law.values.get(self.of, self.law.parameters[self.of].typical or 0))
             if value == 0:
@@ -275,7 +269,7 @@ class _Search:
             return _spaced(*sorted((value / _AROUND, value * _AROUND)))
         low, high = _WHOLE
         if self.of == "V" and self.law.v_max is not None:
-            high = _SHARE * float(self.law.v_max)
+            high = float(self.law.v_max) / 2  # motions slip at 2 V, and more
         x = _spaced(low, high)
         if self.criterion is not None:
             return x
@@ -290,7 +284,7 @@ class _Search:
         near = np.convolve(near & np.isfinite(off) & (self.of in "VN"), np.ones(5), "same") > 0
         if self.of == "V" and near.any() and obstacle(self.law, math.inf) is None:
             return x[near]  # far from there the average of a smooth law has the threshold's sign
-        return x[near | ((eta >= _WEAKEST) & (eta <= _STRONGEST))]
+        return x[near | ((eta >= _STRENGTHS[0]) & (eta <= _STRENGTHS[1]))]
 
     # -- roots -------------------------------------------------------------------------------------
 
@@ -308,9 +302,8 @@ class _Search:
             nodes = {place: value(place) for place in x.tolist()}
             for ends in pairwise(x.tolist()):
                 inside, outside = sorted(ends, key=lambda x: math.isnan(nodes[x]))
-                if math.isnan(nodes[inside]) == math.isnan(nodes[outside]):
-                    continue
-                for _ in range(_HALVINGS):
+                width = _FLAT * max(map(abs, ends)) if math.isnan(nodes[outside]) else math.inf
+                while abs(outside - inside) > width and not math.isnan(nodes[inside]):
                     middle = (inside + outside) / 2
                     nodes[middle] = value(middle)
                     inside, outside = (inside, middle) if math.isnan(nodes[middle]) else (middle, outside)
@@ -321,11 +314,11 @@ class _Search:
             before, here, after = nodes[low], nodes[middle], nodes[high]
             if before * here > 0 < here * after and abs(here) < min(abs(before), abs(after)):
                 sign = math.copysign(1.0, here)
-                place, beyond = closest(value, low, high, sign, _DIP * max(abs(low), abs(high)))
+                place, beyond = closest(value, low, high, sign, _FLAT * max(abs(low), abs(high)))
                 if sign * beyond < 0:
                     nodes[place] = beyond
         places = sorted(nodes)
-        return list(sign_changes(value_or_refusal, places, [nodes[x] for x in places], _CLOSE))
+        return list(sign_changes(value_or_refusal, places, [nodes[x] for x in places], SIGNS))
 
     def _no_threshold(self, x: float) -> NoReturn:
         raise NotConverged(f"there is no threshold at {self.of} = {x:.6g}; try another method")
@@ -351,14 +344,13 @@ class _Search:
         polynomial = np.polynomial.Polynomial(coefficients).trim()
         roots: Any = polynomial.roots() if polynomial.degree() else np.empty(0)
         positive = self.is_quantity or law.parameters[self.of].positive
-        real_roots = sorted(float(x.real) for x in roots if abs(x.imag) <= _CLOSE * abs(x))
-        return [x for x in real_roots if x > 0 or not positive]
+        return [float(x.real) for x in roots if x.imag == 0 and (x.real > 0 or not positive)]
 
     # -- results -----------------------------------------------------------------------------------
 
     def _result(self, x: float) -> Critical:
         """Return a root by a step of Newton's method from one close to it; its error is that of the threshold."""
-        computed, names = ask(self.at(x), self.method, self.tight)
+        computed, names = ask(self.at(x), self.method, max(_FINER * self.rtol, TIGHT))
         value = float(computed.value[0])
         if not names[0] or math.isnan(value):
             self._no_threshold(x)
@@ -368,7 +360,7 @@ class _Search:
         with np.errstate(all="ignore"):
             sensitivity = {name: float(np.divide(-change, own)) for name, change in by.items()}
         step = -sensitivity["c"] * (value - self.c)
-        small = abs(step) < _NEWTON * abs(x)
+        small = abs(step) < _FLAT * abs(x)
         error = None
         if self.criterion is None:
             off = float(computed.relative_error[0]) * abs(value)

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import sympy as sp
-from flint import acb, arb, arb_series, ctx
+from flint import acb, arb, arb_poly, arb_series, ctx
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Rational
@@ -32,10 +32,7 @@ from stickslip_sym.model.law import FrictionLaw
 _SCALES = tuple(2.0**-i for i in range(-1, 9))  # of the radii that are tried for the polydisc
 _SHARE = 0.25  # of the time rho that a step takes: with it a term gains two bits
 _MOST_STEPS = 20_000
-_CUTS = 60  # times that a step is shortened
-_SHORTER = 0.7  # of a step that ends too close to a kink
 _FINE = 8  # halvings of a step on which w is highest
-_LOW = 0.5  # of w, below which a fall to 0 is looked for
 _START_SHARE = 3  # the first step from a point where mu is not analytic is 2^-(bits/3)
 _w = sp.Symbol("w")
 
@@ -112,13 +109,13 @@ class Segment:
 class Flow:
     """All solutions from a box, over a time.
 
-    - `q`, `w`: coefficients of their Taylor polynomials.
+    - `q`, `w`: their Taylor polynomials.
     - `time`: how long they hold, exact.
     - `rest_q`, `rest_w`: bounds of what the polynomials leave over, at that time.
     """
 
-    q: list[arb]
-    w: list[arb]
+    q: arb_poly
+    w: arb_poly
     time: arb
     rest_q: arb
     rest_w: arb
@@ -127,14 +124,7 @@ class Flow:
         """Return q and w over a ball of times."""
         if t == 0:
             return self.q[0], self.w[0]
-        return _value(self.q, t) + self.rest_q, _value(self.w, t) + self.rest_w
-
-
-def _value(coefficients: list[arb], t: arb) -> arb:
-    total = arb(0)
-    for coefficient in reversed(coefficients):
-        total = total * t + coefficient
-    return total
+        return self.q(t) + self.rest_q, self.w(t) + self.rest_w
 
 
 def flow(segment: Segment, q: arb, w: arb, terms: int, *, start: bool = False) -> Flow:
@@ -143,17 +133,14 @@ def flow(segment: Segment, q: arb, w: arb, terms: int, *, start: bool = False) -
     - `start`: whether the box is P with w' = 0 there exactly, since mu(0+) is the static coefficient.
     """
     rho, radius_q, radius_w = _polydisc(segment, q, w)
-    before = ctx.cap
     try:
-        coefficients = _taylor(segment, q, w, terms, start)
+        polynomials = _taylor(segment, q, w, terms, start)
     except (ValueError, ZeroDivisionError) as error:  # a series is divided by one whose first ball holds 0
         raise Undecided(f"the field has no power series around w = {w.str(6)}: {error}") from None
-    finally:
-        ctx.cap = before
     time = arb(float(rho) * _SHARE)
     ratio = time / rho
     left = arb(0, 1) * ratio**terms / (1 - ratio)
-    return Flow(*coefficients, time, arb(radius_q) * left, arb(radius_w) * left)
+    return Flow(*polynomials, time, arb(radius_q) * left, arb(radius_w) * left)
 
 
 def _polydisc(segment: Segment, q: arb, w: arb) -> tuple[arb, float, float]:
@@ -181,8 +168,8 @@ def _polydisc(segment: Segment, q: arb, w: arb) -> tuple[arb, float, float]:
     return best
 
 
-def _taylor(segment: Segment, q: arb, w: arb, terms: int, start: bool) -> tuple[list[arb], list[arb]]:
-    """Return Taylor coefficients by Newton's iteration, which doubles their number each time.
+def _taylor(segment: Segment, q: arb, w: arb, terms: int, start: bool) -> tuple[arb_poly, arb_poly]:
+    """Return Taylor polynomials by Newton's iteration, which doubles the number of terms each time.
 
     What the first k of them leave over in the equations is linear in the next k, up to order 2k.
     """
@@ -207,7 +194,7 @@ def _taylor(segment: Segment, q: arb, w: arb, terms: int, start: bool) -> tuple[
             new_w.append(rate_w / order)
         all_q += new_q
         all_w += new_w
-    return all_q, all_w
+    return arb_poly(all_q), arb_poly(all_w)
 
 
 # -- the slip from P -------------------------------------------------------------------------------
@@ -297,9 +284,9 @@ class _Walk:
         raise Undecided("mu changes too fast at v = 0 for a first step from P")
 
     def _falls_to_zero(self) -> arb | None:
-        """Return a bound of w' < 0 if from this box w falls to 0: there is no way out before."""
+        """Return a bound of w' < 0 if from this box, at w < 1, w falls to 0: there is no way out before."""
         rate = self.segment.rate(self.q, self.w)
-        if not (rate < 0 and self.w < _LOW):
+        if not (rate < 0 and self.w < 1):
             return None
         highest = arb(self.w.abs_upper())
         time = 2 * highest / abs(rate)
@@ -308,23 +295,24 @@ class _Walk:
 
     def _follow(self, step: Flow) -> Transit | None:
         """Go to the end of a step, or to the turn or the kink on the way."""
-        before, time = self.segment.rate(self.q, self.w), step.time
-        for _ in range(_CUTS):
+        before = self.segment.rate(self.q, self.w)
+        for halvings in range(self.bits):
+            time = step.time * arb(2) ** -halvings
             q, w = step.at(time)
             if self.number == 0 and w < 0:
                 return self._result(True, w)
             if before < 0 < self.segment.rate(q, w):
                 return self._turn(step, time)
             side = self._side(w)
-            if side == 0:
+            if side is None:
+                continue
+            if side:
+                self._cross(step, time, side)
+            else:
                 self._require_inside(step, time)
                 self.q, self.w = q, w
                 self.reached = self.reached.max(arb(w.lower()))
-            elif side is not None:
-                self._cross(step, time, side)
-            if side is not None:
-                return None
-            time = arb((time * _SHORTER).mid())
+            return None
         raise self._too_wide()
 
     def _too_wide(self) -> Undecided:
@@ -366,21 +354,23 @@ class _Walk:
                 middle = arb(((start + stop) / 2).mid())
                 waiting += [(middle, stop, depth + 1), (start, middle, depth + 1)]
 
-    def _last(self, step: Flow, start: arb, stop: arb, event: Callable[[arb, arb], bool]) -> arb:
-        """Return a time near the last one, from a start on towards a stop, at which an event is certain."""
-        for _ in range(self.bits):
-            middle = arb(((start + stop) / 2).mid())
-            start, stop = (middle, stop) if event(*step.at(middle)) else (start, middle)
-        return start
+    def _around(self, step: Flow, end: arb, event: Callable[[arb, arb], arb]) -> tuple[arb, arb]:
+        """Return two times close together: where a function of the box was certainly below 0, and where above."""
+        times = [arb(0), end]
+        for side, sign in enumerate((-1, 1)):
+            sure, unsure = times[side], times[1 - side]
+            for _ in range(self.bits):
+                middle = arb(((sure + unsure) / 2).mid())
+                sure, unsure = (middle, unsure) if event(*step.at(middle)) * sign > 0 else (sure, middle)
+            times[side] = sure
+        return times[0], times[1]
 
     def _turn(self, step: Flow, end: arb) -> Transit | None:
         """Decide at the first minimum of w."""
-        rate = self.segment.rate
-        start = self._last(step, arb(0), end, lambda q, w: rate(q, w) < 0)
-        stop = self._last(step, end, start, lambda q, w: rate(q, w) > 0)
+        start, stop = self._around(step, end, self.segment.rate)
         span = start.union(stop)
         q, w = step.at(span)
-        lowest = step.at(start)[1] + rate(q, w) * (span - start)
+        lowest = step.at(start)[1] + self.segment.rate(q, w) * (span - start)
         if not w < 1:
             raise self._too_wide()
         if self.number == 0 and lowest < 0:
@@ -388,10 +378,10 @@ class _Walk:
         if lowest > self.segment.low:
             self._require_inside(step, start)
             return self._result(False, lowest, turned=True)
-        if self.number and lowest < self.segment.low:
-            self._cross(step, start, -1)
-            return None
-        raise Undecided(f"the lowest slip speed is {lowest.str(3)} V: its sign is not certain at {self.bits} bits")
+        if not (self.number and lowest < self.segment.low):
+            raise Undecided(f"the lowest slip speed is {lowest.str(3)} V, of no certain sign at {self.bits} bits")
+        self._cross(step, start, -1)
+        return None
 
     def _cross(self, step: Flow, end: arb, side: int) -> None:
         """Go over to the next segment: w is the level there exactly, and q what it may be meanwhile."""
@@ -401,8 +391,7 @@ class _Walk:
                 "the slip from P goes beyond the last measured speed; "
                 "measure further, or hold the last coefficient: extrapolate=True"
             )
-        start = self._last(step, arb(0), end, lambda q, w: (level - w) * side > 0)
-        stop = self._last(step, end, start, lambda q, w: (w - level) * side > 0)
+        start, stop = self._around(step, end, lambda q, w: (w - level) * side)
         self._require_inside(step, start)
         q, w = step.at(start.union(stop))
         before = self.segment.rate(q, w)

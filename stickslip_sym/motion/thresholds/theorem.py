@@ -41,7 +41,6 @@ _MOST_CUTS = 400  # of a range on which a sign is shown
 _BITS = (40, 100, 250, 600)  # of a decision, beyond those of its distance from the threshold, until one falls
 _CURVED = 10  # the secant is off by the square of the bracket, times this
 _WIDEST = 1e-2  # of the first bracket, relative
-_FINE = 1000  # parts of a bracket to which its ends are rounded
 _speed = sp.Symbol("v", positive=True)
 
 
@@ -229,8 +228,8 @@ class Search:
 
 
 def _rounded(x: Fraction, width: Fraction) -> Fraction:
-    """Return the nearest decimal number with no more digits than a width calls for."""
-    places = max(0, math.ceil(-math.log10(width / _FINE)))
+    """Return the nearest decimal number with one more digit than a width calls for."""
+    places = max(0, math.ceil(1 - math.log10(width)))
     return Fraction(round(x * 10**places), 10**places)
 
 
