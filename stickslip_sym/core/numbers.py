@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 Number = int | float | str | Fraction | Decimal | SupportsFloat
 
+SAME = 1e-12
+"""Relative distance of two numbers that stand for one: it is more than the rounding of a handful of operations."""
 _DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,4})?")
 _LONGEST = 400  # characters of a number; enough for any decimal that has a meaning here
 

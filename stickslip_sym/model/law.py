@@ -18,7 +18,7 @@ from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import without_squares
 from stickslip_sym.core.lambdify import Backend
-from stickslip_sym.core.numbers import Number, exact, read_array, real, require_type, suggestion
+from stickslip_sym.core.numbers import SAME, Number, exact, read_array, real, require_type, suggestion
 from stickslip_sym.core.uncertain import UFloat, separated, spread
 from stickslip_sym.model import at_rest
 from stickslip_sym.model.expression.parameters import Parameter
@@ -30,8 +30,6 @@ from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.model.terms import Term, terms_of
 from stickslip_sym.output import markup, printing
 from stickslip_sym.output.notation import notation_of
-
-_ROUNDING = 1e-12  # of a static coefficient that is mu(0+), relative
 
 
 class FrictionLaw:
@@ -366,12 +364,12 @@ class FrictionLaw:
         if self.static is None:
             return onset
         static = real("the static coefficient", self.number(self.static))
-        if static < onset - _ROUNDING * abs(onset):
+        if static < onset - SAME * abs(onset):
             raise InputError(
                 f"the static coefficient {static:g} is below mu(0+) = {onset:g}: a contact that gives way would "
                 "stop the mass at once; give a static coefficient of at least mu(0+), or none"
             )
-        return static if static > onset + _ROUNDING * abs(onset) else onset
+        return static if static > onset + SAME * abs(onset) else onset
 
     @property
     def v_max(self) -> Rational | None:

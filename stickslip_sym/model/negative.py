@@ -5,12 +5,12 @@ import warnings
 import numpy as np
 
 from stickslip_sym.core.errors import InputWarning
+from stickslip_sym.core.numbers import SAME
 from stickslip_sym.model.law import FrictionLaw
 
 _GRID = np.union1d(np.geomspace(1e-9, 1, 300), np.linspace(0, 1, 4001)[1:])
 """Speeds over the last; at 0 itself the logarithm of rate and state has no value."""
 _LARGEST = 1e300  # m/s, short of overflow
-_ROUNDING = 1e-12  # of mu, which is of the order of 1
 
 
 def lowest(law: FrictionLaw, end: float) -> tuple[float, float]:
@@ -30,7 +30,7 @@ def lowest(law: FrictionLaw, end: float) -> tuple[float, float]:
 def warn_where_negative(law: FrictionLaw, V: float) -> bool:
     """Warn of a coefficient below 0 at a slip speed that motions at the belt speed V reach; return whether."""
     v, mu = lowest(law, 2 * V)
-    if negative := mu < -_ROUNDING:
+    if negative := mu < -SAME:
         warnings.warn(
             f"mu = {mu:.3g} is negative at the slip speed v = {v:.3g} m/s; at V = {V:g} m/s motions slip at up to "
             "2 V, so what follows is of a law that drives where it should brake; check the law's values and units",

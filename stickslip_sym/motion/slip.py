@@ -15,7 +15,7 @@ from stickslip_sym.core.errors import InputError, NotConverged, OutOfTime, Stick
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
-from stickslip_sym.motion.steps import TIGHT, End, entered, follow, rate_at, stepped
+from stickslip_sym.motion.steps import MOST_STEPS, TIGHT, End, entered, follow, rate_at, stepped
 from stickslip_sym.motion.table import FARTHEST, FrictionTable, Pieces, Rise
 from stickslip_sym.motion.workers import collect
 
@@ -118,7 +118,6 @@ def _states(
 
 
 _PATIENT = 1e4  # decay times, after which a motion without a turn creeps to rest
-_MOST_STEPS = 10_000  # of a slip without a given horizon; the longest that end take some hundred
 _MORE_STEPS = 20  # for every unit of tau and segment of the law, on the way to a given horizon
 _FEW, _FEW_STATES = 8, 1000  # slips, and states, up to which plain Python is as fast as loading compiled code
 _BATCH = 4000  # slips between two looks at the time limit, some hundredths of a second compiled
@@ -237,7 +236,7 @@ class Dimensionless:
         more = 0.0 if horizon is None else _MORE_STEPS * len(self.rise.jumps) * end_tau
         end, state, far, steps = follow(
             self.rise, self.eta, self.zeta, self.push(side), 2 * self.eta * self.table.static, float(side),
-            float(q), float(w), end_tau, math.ceil(_MOST_STEPS + more) if most is None else most, passes, rtol,
+            float(q), float(w), end_tau, math.ceil(MOST_STEPS + more) if most is None else most, passes, rtol,
             int(until), level, (wedge is not None, D, tuple(wedge or self.no_wedge)), recorded,
         )  # fmt: skip
         slip: Slip[float] = Slip._make((End(end), *state, *far, [Step(*step) for step in steps]))
@@ -248,7 +247,7 @@ class Dimensionless:
     def slips(
         self, q: FloatArray, w: FloatArray, side: ArrayLike = 1.0, *, eta: ArrayLike | None = None,
         zeta: ArrayLike | None = None, passes: ArrayLike = 0, until: End = End.RETURN, level: float = math.inf,
-        horizon: float | None = None, rtol: float = TIGHT, most: int = _MOST_STEPS, few: int = _FEW,
+        horizon: float | None = None, rtol: float = TIGHT, most: int = MOST_STEPS, few: int = _FEW,
         workers: int = 1,
     ) -> Slip[FloatArray]:  # fmt: skip
         """Follow many slips, compiled where numba is there; arguments as for `slip`, nothing is refused.

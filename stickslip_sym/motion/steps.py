@@ -69,12 +69,17 @@ class End(IntEnum):
 
 TIGHT = 1e-12
 """The relative tolerance of the steps along which numbers are found that others follow from."""
+PRECISE = 1e-13
+"""The relative error of a rise in its table, and the tolerance of steps where digits are wanted."""
+ADDED = 100
+"""Errors of a step that may add up along an orbit: within so many tolerances two states are one."""
+MOST_STEPS = 60_000
+"""Of a slip; the longest that end take some hundred."""
 _LONGEST_STEP = 0.25  # explicit; at twice that what a step is off shows in thresholds
 _STIFF = 10.0  # a decay of w, per unit of time, below which explicit steps are cheap enough
 _STABLE = 2.5  # decay times a step, from which stability holds it short: the explicit method bears about 6
 _LOOK = 100  # steps between two looks at the time limit
 _PATIENCE = 15  # steps held short by stability before the method changes
-_NOISE = 1e-13  # of the terms of w', below which it may be nothing but rounding
 _NO_ERROR = 1e-7  # of the tolerance, that may be nothing but rounding
 _SHORTEST = 1e-14  # length of a step, over max(tau, 1), that is not made shorter
 _REST_WITHIN = 10  # times the tolerance: nearer to rest the errors of steps do not let the mass come
@@ -390,7 +395,7 @@ def follow(
         segment += 1
     law = entered(rise, segment, True, w)
     r = rate_at(law, system, q, w)
-    noise = _NOISE * (abs(push) + abs(eta * rise_at(law, w)) + abs(q) + abs(damping * w))
+    noise = PRECISE * (abs(push) + abs(eta * rise_at(law, w)) + abs(q) + abs(damping * w))
     rising = w == 0.0 or r > noise or (abs(r) <= noise and w < side)
     arrived = not rising and segment > 0 and w == levels[segment]  # at a kink, which it leaves downward
     length = min(3.0 * rtol**0.125 / max(1.0, max(abs(1.0 - side * w), abs(r))), _LONGEST_STEP)

@@ -21,6 +21,7 @@ from numpy.polynomial import chebyshev
 
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.core.numbers import SAME
 from stickslip_sym.model.at_rest import Rising
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.steps import rise_at
@@ -31,14 +32,12 @@ FARTHEST = 1e20
 _DEGREE = 14  # 15 nodes resolve about an octave of an analytic law to rounding
 _LOWEST = 1e-40  # m/s; a law that is singular at rest, as sqrt(v), is a straight line below
 _TAIL = 1e-15  # of the last two Chebyshev coefficients, relative to the largest value: what they leave out is less
-_OFF = 5e-15  # of the first polynomial, relative to the rise at any lower speed
-_NOISE = 4e-15  # of mu, by which a rise may be off where it had to be computed as a difference
+_NOISE = 4e-15  # relative error of the first polynomial, and of mu where a rise had to be computed as a difference
 _VANISHES = 4e-16  # of the largest coefficient at rest: where mu has no slope at 0, rounding is none either
 _MOST = 10_000  # intervals
 _RESOLVED = 4  # halvings, after which what is left may be noise of a rise computed as a difference
 _NARROWEST = 1e-13  # relative width of an interval that is not halved again
 _POLE = 1e6  # a coefficient on the narrowest interval as high as that is a pole's
-_ROUNDING = 1e-12  # of mu: where two segments meet and differ by less there is no jump
 
 _POWERS = np.arange(_DEGREE + 1)
 _NODES = -np.cos(np.pi * (_POWERS + 0.5) / (_DEGREE + 1))  # Chebyshev's, ascending
@@ -150,7 +149,7 @@ class FrictionTable:
         jumps = [0.0]
         for kink, i in zip(self.kinks, self.firsts[1:], strict=False):
             below, above = (self.onset + rise_at((self.pieces, j, j, j), kink) for j in (i - 1, i))
-            jumps.append(above - below if abs(above - below) > _ROUNDING * max(abs(above), abs(below)) else 0.0)
+            jumps.append(above - below if abs(above - below) > SAME * max(abs(above), abs(below)) else 0.0)
         return np.array(jumps)
 
 
@@ -214,7 +213,7 @@ def _first(rising: Rising, onset: float, high: float) -> tuple[FloatArray, float
         for i in np.flatnonzero(fits)[::-1]:
             below, there = nodes[: i + 1], values[: i + 1]
             fitted = below * chebyshev.chebval(2 * below / widths[i] - 1, coefficients[i])
-            if (np.abs(fitted - there) <= _OFF * np.abs(there) + noise).all():
+            if (np.abs(fitted - there) <= _NOISE * np.abs(there) + noise).all():
                 return _at_rest(widths[i], coefficients[i]), float(widths[i])
     straight = np.append(values[0, -1] / nodes[0, -1], np.zeros(_DEGREE))
     return _at_rest(widths[0], straight), float(widths[0])

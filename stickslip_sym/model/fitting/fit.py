@@ -12,6 +12,7 @@ from scipy.special import chdtr, chdtrc, fdtrc
 
 from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.numbers import SAME
 from stickslip_sym.model.fitting.least_squares import Minimum, Problem
 from stickslip_sym.model.fitting.result import Fit, Fits
 from stickslip_sym.model.law import FrictionLaw
@@ -30,7 +31,6 @@ _MIXED = 0.1  # part in the direction without effect, over the largest: smaller 
 _ALIKE = 0.999  # correlation of two parameters that is worth a warning
 _UNLIKELY = 1e-3  # probability of what residuals show, if what is assumed of them holds, that is worth a warning
 _CORRELATED = 2.5  # standard deviations of the correlation of white noise, above which noise is correlated
-_ROUNDING = 1e-12  # of the largest mu: residuals as small are no noise
 _FEWEST = 8  # rows, up to which no correlation stands out
 _MOST_CORRELATED = 0.95  # beyond it the rows are too few to tell noise from a trend
 _RISEN = 0.75  # of the largest mu: a law with mu(0) = 0 has built up friction where it first reaches this
@@ -213,7 +213,7 @@ def _order(law: FrictionLaw, problem: Problem, p: FloatArray) -> list[int]:
 def _correlation(residuals: FloatArray, measured: Measurements, k: int) -> float:
     """Return the correlation of residuals from row to row of the file, 0 where white noise would show as much."""
     count = len(residuals)
-    rounding = _ROUNDING * np.max(np.abs(measured.weights * measured.mu))
+    rounding = SAME * np.max(np.abs(measured.weights * measured.mu))
     if measured.order is None or count <= _FEWEST or np.max(np.abs(residuals)) <= rounding:
         return 0.0
     e = residuals[np.argsort(measured.order)]

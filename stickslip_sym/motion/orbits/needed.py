@@ -28,7 +28,7 @@ from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.motion.compiled import compilable
 from stickslip_sym.motion.slip import Dimensionless, Wedge
-from stickslip_sym.motion.steps import TIGHT, End, follow, interval, rise_at
+from stickslip_sym.motion.steps import MOST_STEPS, PRECISE, TIGHT, End, follow, interval, rise_at
 
 SIGNS = 1e-11
 """The relative tolerance of the steps along which the sign of a gap is decided."""
@@ -37,7 +37,6 @@ PARTED = 1e-7
 ROUNDING = 1e-14
 """Relative, of a gap, a damping and an amplitude; of the terms of w' over their sum."""
 _COARSE = 1e-5  # tolerance of the first steps
-_TIGHTEST = 1e-13  # tolerance of steps where digits are wanted, and the relative error of a rise in its table
 _SHARE = 0.03  # of the error of the damping ratio that is wanted, a tolerance
 _STRONG, _STIFF = 30.0, 1e-9  # eta from which halves are stiff, and the tolerance there, unless digits are wanted
 _LOOSER = 10.0  # of the tolerance, for the estimate of what the integration is off
@@ -51,8 +50,6 @@ _FALL = -2 * math.pi  # of the gap with zeta, where friction is weak
 _WILD = 1e12  # change of friction along an orbit, over its own forces, that is no use to follow
 _FARTHEST = 1e6  # damping ratio over 1 + |eta|, and over the largest rise of friction, beyond which there is none
 _PATIENT = 100.0  # times as long as the displacement takes at the belt's speed, after which a half creeps to rest
-_MOST_STEPS = 60_000  # of a half
-_WIDENED = 10  # times that a distance from a jump of the gap becomes ten times as wide
 
 
 class Found(IntEnum):
@@ -98,12 +95,12 @@ def halves(
     rest = 2.0 * zeta - push + at_rest
     push, q, graze = push + rest, q - rest, graze - rest
     end, (tau, q_f, highest, _, r_f, D_f), _, _ = follow(
-        rise, eta, zeta, push, 0.0, 1.0, q, w, horizon, _MOST_STEPS, 0, rtol, End.MAXIMUM.value, math.inf,
+        rise, eta, zeta, push, 0.0, 1.0, q, w, horizon, MOST_STEPS, 0, rtol, End.MAXIMUM.value, math.inf,
         (wanted, D, source), False,
     )  # fmt: skip
     if end == End.MAXIMUM:
         end, (more, _, _, _, r_f, D_f), _, _ = follow(
-            rise, eta, zeta, push, 0.0, 1.0, q_f, highest, horizon, _MOST_STEPS, 0, rtol, End.LEVEL.value, 1.0,
+            rise, eta, zeta, push, 0.0, 1.0, q_f, highest, horizon, MOST_STEPS, 0, rtol, End.LEVEL.value, 1.0,
             (wanted, D_f, source), False,
         )  # fmt: skip
         tau += more
@@ -112,7 +109,7 @@ def halves(
     # Backward in time the equations are the same, with q and all of their factors negated.
     constant, linear, factor, own, shifts = source
     end, (tau_b, _, _, _, r_b, D_b), _, _ = follow(
-        rise, -eta, -zeta, -push, 0.0, 1.0, -graze, w, horizon, _MOST_STEPS, 0, rtol, End.LEVEL.value, 1.0,
+        rise, -eta, -zeta, -push, 0.0, 1.0, -graze, w, horizon, MOST_STEPS, 0, rtol, End.LEVEL.value, 1.0,
         (wanted, D, (-constant, -linear, -factor, own, shifts)), False,
     )  # fmt: skip
     back = 1 if end == End.LEVEL else -2 if end in stopped else 0
@@ -196,14 +193,14 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
         before, unchanged, gap_before = zeta, abs(value) > _SLOW * abs(gap_before), value
         if not coarse and (abs(value) <= _DONE or (unchanged and abs(value) <= _NEAR and not beyond)):
             loose, _, _, _ = gap(rise, eta, zeta, push, A, _LOOSER * tight, False, 0.0, by_zeta)
-            off = abs(loose - value) + rounding + (_LOOSER * tight if tight > _TIGHTEST else 0.0)
+            off = abs(loose - value) + rounding + (_LOOSER * tight if tight > PRECISE else 0.0)
             if abs(value) <= _DONE:
                 off += value * value + _ROUGH * abs(value)
                 zeta -= value / slope
             else:  # the gap is no more than what the steps are off
                 off += abs(value)
                 slope = max(slope, _FALL)
-            return Found.ROOT, zeta, off / -slope + _TIGHTEST * largest, low, high
+            return Found.ROOT, zeta, off / -slope + PRECISE * largest, low, high
         if math.isfinite(high - low) and high - low <= ROUNDING * max(abs(low), abs(high)):
             # The gap jumps there, as where the halves pass a jump of mu on one side only, or part by all digits;
             # or the law ends there, and the forward half leaves its table for less damping.
@@ -212,7 +209,7 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
                 return Found.BEYOND, zeta, math.inf, low, high
             error = _spread(rise, eta, push, A, _LOOSER * tight, by_zeta, low, high)
             end = Found.ROOT if error < math.inf else Found.LOST
-            return end, zeta, error + _TIGHTEST * largest, low, high
+            return end, zeta, error + PRECISE * largest, low, high
         if coarse and abs(value) <= _NEAR:
             zeta, rtol, low, high, gap_before = zeta - value / slope, tight, -math.inf, math.inf, math.nan
             continue
@@ -261,7 +258,7 @@ def _spread(
 ) -> float:
     """Return how far from a jump of the gap a looser tolerance sees its sign change."""
     step = high - low
-    for _ in range(_WIDENED):
+    while step <= _ROUGH * max(abs(low), abs(high)):
         below, _, _, _ = gap(rise, eta, low - step, push, A, rtol, False, 0.0, by_zeta)
         above, _, _, _ = gap(rise, eta, high + step, push, A, rtol, False, 0.0, by_zeta)
         if below > 0.0 >= above:
@@ -289,7 +286,7 @@ def needed_ratio(
     eta, push = system.eta, system.push(1) if A == 1.0 else 0.0
     wanted = _SHARE * rtol * abs(_harmonic(system.rise, eta, A)[0])
     loosest = _STIFF if abs(eta) > _STRONG else TIGHT
-    tight = next((steps for steps in (loosest, TIGHT) if steps <= wanted), _TIGHTEST)
+    tight = next((steps for steps in (loosest, TIGHT) if steps <= wanted), PRECISE)
     orbit = tuple(np.array([value]) for value in (eta, push, A))
     found = np.empty((1, 5))
     system.spread(needed_all, orbit, (tight,), found, few=0 if fast else 1)

@@ -18,10 +18,10 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.regimes.regime import NEAR, Regime, kept_regime
+from stickslip_sym.motion.regimes.regime import Regime, kept_regime
 from stickslip_sym.motion.simulation.simulate import read_initial_conditions
 from stickslip_sym.motion.slip import Slip
-from stickslip_sym.motion.steps import End
+from stickslip_sym.motion.steps import ADDED, End
 
 _MANY = 1000  # initial conditions from which on finding separatrices takes less time than following all
 
@@ -129,7 +129,7 @@ def followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray,
             except StickSlipError as error:
                 found[rows] = error
 
-    rest, near = system.turn(1.0), NEAR * rtol
+    rest, near = system.turn(1.0), ADDED * rtol
     at_rest = (side > 0) & (np.abs(w - 1) <= near) & (np.abs(q - rest) <= near * max(1.0, abs(rest)))
     decide(np.flatnonzero(at_rest), lambda: plane.at_rest)
     stuck = (w == 0) & system.sticks(q) & ~at_rest

@@ -36,15 +36,13 @@ from stickslip_sym.motion.roots import NEAREST
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle, first_minimum, stick_slip_cycle
 from stickslip_sym.motion.simulation.simulate import simulate
 from stickslip_sym.motion.slip import Dimensionless
-from stickslip_sym.motion.steps import End
+from stickslip_sym.motion.steps import ADDED, End
 from stickslip_sym.output import drawing, markup
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
-NEAR = 100
-"""Tolerances within which a state is on a curve or at the belt's speed, as far as integration can say."""
 _FIRST, _ESCAPED = 1e-3, 1e6  # displacements q at which a round outside P's is tried first, and last
 _STEP = 1e-3  # relative, of a displacement by which a round is differentiated
 _ROUNDS = 24  # that are looked at on the way in to P's, and half as many on the way out
@@ -225,7 +223,7 @@ class Regime(drawing.Drawn):
             found[places == place] = self.fate(place)
         for cycle in self.slip_cycles:
             if not cycle.stable:
-                near = np.abs(cycle.amplitude / self.oscillator.V - peaks) <= NEAR * self.rtol
+                near = np.abs(cycle.amplitude / self.oscillator.V - peaks) <= ADDED * self.rtol
                 found[near] = Motion.UNDECIDED
         return found
 
@@ -280,7 +278,7 @@ class Regime(drawing.Drawn):
         there is a limit cycle between.
         """
         found = np.full(begins.shape, Motion.PURE_SLIP, dtype=object)
-        moved = np.abs(ends - begins) > NEAR * self.rtol * ends
+        moved = np.abs(ends - begins) > ADDED * self.rtol * ends
         if moved.any():
             near = np.geomspace(ends[moved].min() / _ROUNDS, ends[moved].max(), _ROUNDS)
             ahead = np.append(near, near[-1] * 4.0 ** np.arange(1, _ROUNDS // 2 + 1))
@@ -350,7 +348,7 @@ class Regime(drawing.Drawn):
         curves = self.separatrices
         # The orbit that touches the belt's speed comes from there too.
         if len(curves) < len(unstable) + grazes or (
-            grazes and curves[-1].w(curves[-1].w.x[-1]) > NEAR * self.rtol
+            grazes and curves[-1].w(curves[-1].w.x[-1]) > ADDED * self.rtol
         ):
             return None
         return (*(self.fate(place) for place in (0, *unstable)), *([Motion.STICK_SLIP] * grazes))
@@ -370,7 +368,7 @@ class Regime(drawing.Drawn):
         q, w = (x0 - osc.onset(self.law)) / osc.length, 1 - v0 / osc.V
         around, clear = np.zeros(motions.shape, dtype=np.intp), np.ones(motions.shape, dtype=bool)
         for separatrix in self.separatrices:
-            inside = separatrix.surrounds(q, np.where(w > 0, w, -1.0), NEAR * self.rtol)
+            inside = separatrix.surrounds(q, np.where(w > 0, w, -1.0), ADDED * self.rtol)
             around += inside
             clear &= inside >= 0
         motions[clear] = np.array(self.basins[::-1], dtype=object)[around[clear]]

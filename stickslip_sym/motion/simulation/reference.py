@@ -12,11 +12,11 @@ from scipy.integrate import solve_ivp
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.deadline import check_time, time_left
 from stickslip_sym.core.errors import NotConverged
+from stickslip_sym.core.numbers import SAME
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.simulation.trajectory import Outcome, Phase, Stretch, Trajectory
 
-_ROUNDING = 1e-12  # of the force at which static friction gives way
 _BESIDE = 1e-9  # of the belt's speed, by which slip begins off it: an event at the start itself ends a run
 _LEAST = 1e-2  # absolute tolerance in units of V and V/omega, over the relative one
 _STEP = 0.1  # of 1/omega, the longest: events are seen where a step has different signs at its ends
@@ -65,7 +65,7 @@ def simulate_by_solve_ivp(
     stretches = list[Stretch]()
     while t < t_end:
         pull = osc.c * osc.V + osc.k * x
-        if v == osc.V and abs(pull) < hold * (1 - _ROUNDING):
+        if v == osc.V and abs(pull) < hold * (1 - SAME):
             end = min(t_end, t + (x_P - x) / osc.V)
             stretches.append(Stretch(Phase.STICK, np.array([[t, end], [x, x + osc.V * (end - t)], [v, v]])))
         else:

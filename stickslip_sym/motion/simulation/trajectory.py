@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from stickslip_sym.core.aliases import FloatArray, IntArray, ObjectArray
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import read_array
+from stickslip_sym.core.numbers import SAME, read_array
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.motion import Motion
@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_ROUNDING = 1e-12  # of the duration, by which a time may lie outside it
-_SAME = 1e-6  # relative change of a swing in a round, up to which a motion repeats itself
+_REPEATS = 1e-6  # relative change of a swing in a round, up to which a motion repeats itself
 _STEPS = 100  # errors of a step that may add up in a round
 _STILL = 1e-9  # m for each m that the belt moves in 1/omega: a smaller swing is rest
 _SHOWN = 3000  # steps in the picture of a notebook, some hundred rounds; more take seconds to draw
@@ -193,7 +192,7 @@ class Trajectory:
             return Motion.REST if self._is_still else Motion.UNDECIDED
         if Phase.SLIP_FORWARD in lately:
             return Motion.OVERTAKING
-        if abs(self.change) <= max(_SAME, _STEPS * self.rtol):
+        if abs(self.change) <= max(_REPEATS, _STEPS * self.rtol):
             return Motion.PURE_SLIP
         return Motion.SHRINKING if self.change < 0 else Motion.GROWING
 
@@ -276,7 +275,7 @@ class Trajectory:
         """
         times = read_array("t", t, finite=False)
         first, last = float(self.t[0]), float(self.t[-1])
-        slack = _ROUNDING * (last - first)
+        slack = SAME * (last - first)
         wrong = ~((times >= first - slack) & (times <= last + slack))
         if wrong.any():
             advice = self.note or "simulate with a larger t_end or limit"
