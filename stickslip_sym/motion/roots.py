@@ -17,10 +17,9 @@ from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 NEAREST = 1e-3
 """Lowest amplitude over the belt's speed that is looked at; a smaller cycle shows by the growth at rest."""
 
-_LAST = 1 - 1e-6  # highest amplitude over the belt's speed
-_RANGES = 8  # of amplitude at first; graded towards the belt's speed, where laws are steep
-_SEARCHED = 2  # halvings of a range with a cycle in it, so that no pair of others hides there
-_MOST_HALVINGS = 8
+_RANGES = 4  # of amplitude at first; graded towards the belt's speed, where laws are steep
+_SEARCHED = 3  # halvings of a range with a cycle in it, so that no pair of others hides there
+_MOST_HALVINGS = 9
 _BENT = 2.0  # times its second difference, by which a value is far from a level; a parabola comes no closer
 
 Value = Callable[[IntArray, FloatArray], FloatArray]
@@ -31,14 +30,12 @@ class OrbitSigns(NamedTuple):
     """What the slip orbits of each row do.
 
     - `cycle`, `stable`: whether there is a limit cycle in pure slip up to the belt's speed, and a stable one.
-    - `grows`: whether the orbits next to the belt's speed grow.
     - `open`: row, and two amplitudes between which it is not known whether the value touches 0: beside a fold.
-    - `lost`: whether values are missing, so that no cycle was looked for.
+    - `lost`: whether values are missing, so that cycles may be too.
     """
 
     cycle: BoolArray
     stable: BoolArray
-    grows: BoolArray
     open: list[tuple[int, float, float]]
     lost: BoolArray
 
@@ -49,49 +46,41 @@ def orbit_signs(value: Value, grows_at_rest: BoolArray) -> OrbitSigns:
     - `value`: of the sign of the growth in a round.
     - `grows_at_rest`: whether it is positive in the limit of small amplitudes, an entry for each row.
     """
-    count = len(grows_at_rest)
-    places = np.arange(_RANGES + 1) / _RANGES
-    rows = np.repeat(np.arange(count), _RANGES + 1)
-    values = value(rows, amplitude(np.tile(places, count))).reshape(count, _RANGES + 1)
-    bends = np.abs(np.diff(values, n=2))
-    bends = np.maximum(bends[:, [0, *range(_RANGES - 1)]], bends[:, [*range(_RANGES - 1), _RANGES - 2]])
-    grows = values[:, 0] > 0
-    cycle = grows != grows_at_rest  # smaller than all that are looked at
-    stable = cycle & grows_at_rest
-    ranges = np.array([
-        np.tile(places[:-1], count), np.tile(places[1:], count),
-        values[:, :-1].ravel(), values[:, 1:].ravel(), bends.ravel(),
-    ])  # fmt: skip
-    row = np.repeat(np.arange(count), _RANGES)
-    # One value that is no number may lie at a zero; where two beside each other are, so would be those between.
-    unknown = np.isnan(values)
-    lost: BoolArray = np.any(unknown[:, 1:] & unknown[:, :-1], axis=1)
-    row, ranges = row[~lost[row]], ranges[:, ~lost[row]]
+    rows = np.arange(len(grows_at_rest))
+    places = np.broadcast_to(np.linspace(0, 1, _RANGES + 1), (rows.size, _RANGES + 1))
+    values = value(np.repeat(rows, _RANGES + 1), _amplitude(places.ravel())).reshape(places.shape)
+    cycle = (values[:, 0] > 0) != grows_at_rest  # smaller than all that are looked at
+    stable, lost = cycle & grows_at_rest, np.zeros(rows.size, dtype=bool)
+    row, bends = np.repeat(rows, _RANGES), np.full((rows.size, _RANGES), np.inf)
+    ranges = np.array([places[:, :-1], places[:, 1:], values[:, :-1], values[:, 1:], bends]).reshape(5, -1)
     for halvings in range(_MOST_HALVINGS + 1):
         low, high, at_low, at_high, bend = ranges
         least, most, margin = np.minimum(at_low, at_high), np.maximum(at_low, at_high), _BENT * bend
         inside = (least <= 0) & (most >= 0)
         unsure = ~(inside | (least > margin) | (most < -margin))
+        # One value that is no number may lie at a zero; where two beside each other are, so are those between.
+        lost[row[np.isnan(at_low) & np.isnan(at_high)]] = True
         left = unsure | inside
         if halvings >= _SEARCHED:
-            np.logical_or.at(cycle, row, inside)
-            np.logical_or.at(stable, row, inside & (at_low > at_high))
+            cycle[row[inside]] = True
+            stable[row[inside & (at_low > at_high)]] = True
             left = unsure
+        left &= ~lost[row]
         if halvings == _MOST_HALVINGS or not left.any():
             break
         row, (low, high, at_low, at_high, _) = row[left], ranges[:, left]
         middle = (low + high) / 2
-        at_middle = value(row, amplitude(middle))
+        at_middle = value(row, _amplitude(middle))
         bend = np.abs(at_low + at_high - 2 * at_middle)
         ranges = np.hstack([[low, middle, at_low, at_middle, bend], [middle, high, at_middle, at_high, bend]])
         row = np.tile(row, 2)
-    left_open = [(int(row[i]), *amplitude(ranges[:2, i]).tolist()) for i in np.flatnonzero(unsure)]
-    return OrbitSigns(cycle, stable, values[:, -1] > 0, left_open, lost)
+    ends = _amplitude(ranges[:2, left]).tolist()
+    return OrbitSigns(cycle, stable, list(zip(row[left].tolist(), *ends, strict=True)), lost)
 
 
-def amplitude(place: FloatArray) -> FloatArray:
+def _amplitude(place: FloatArray) -> FloatArray:
     """Return amplitudes over the belt's speed at places from 0 to 1."""
-    return np.asarray(NEAREST + (_LAST - NEAREST) * (1 - np.cos(np.pi * place)) / 2)
+    return np.asarray(NEAREST + (1 - NEAREST) * (1 - np.cos(np.pi * place)) / 2)
 
 
 def sign_changes(

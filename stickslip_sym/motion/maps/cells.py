@@ -9,7 +9,7 @@ belt each round, since damping and friction bring those far out back in.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from enum import Enum
 from functools import cache
@@ -25,10 +25,10 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.compiled import compilable
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.orbits.needed import SIGNS, Found, needed_all, sure_gap
+from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, Found, needed_all, sure_gap
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
-from stickslip_sym.motion.regimes.regime import regime
+from stickslip_sym.motion.regimes.regime import NEAR, regime
 from stickslip_sym.motion.regimes.rounds import friction_far_out, rounds
 from stickslip_sym.motion.roots import orbit_signs
 from stickslip_sym.motion.slip import Dimensionless
@@ -41,9 +41,7 @@ CURVES = {
     "exact": ("exact threshold", "-", "black"),
 }
 """The thresholds of an operating point: their names in legends, and how they are drawn."""
-_KNOWN = 1e-8  # of the largest threshold, to which all of them are known
 _UNSURE = 1e-9  # gap of which they may not tell the sign
-_FINER = 1e-2  # tolerance of the motions of single cells over that of thresholds
 
 
 class Reason(Enum):
@@ -119,10 +117,10 @@ def decide(law: FrictionLaw, rtol: float, points: Mapping[str, FloatArray]) -> C
 
 
 @compilable
-def _gaps_all(rise: Any, eta: Any, push: Any, A: Any, zeta: Any, rtol: float, wedge: Any, found: Any) -> None:
+def _gaps_all(rise: Any, eta: Any, zeta: Any, A: Any, rtol: float, wedge: Any, found: Any) -> None:
     """Find the gaps of orbits, of the sign of the needed damping ratio minus the one there is."""
     for i in range(len(A)):
-        found[i, 0] = sure_gap(rise, eta[i], zeta[i], push[i], A[i], rtol, wedge[2])[0]
+        found[i, 0] = sure_gap(rise, eta[i], zeta[i], 0.0, A[i], rtol, wedge[2])[0]
 
 
 class _Decider:
@@ -136,36 +134,24 @@ class _Decider:
         self.eta = self.N / (V * impedance)
         self.ratio = 2 * impedance  # damping over damping ratio
         self.zeta = points["c"] / self.ratio
-        at_kink = any(abs(kink / V - 1) <= _KNOWN for kink in self.table.kinks)
+        at_kink = any(abs(kink / V - 1) <= 10 * ROUNDING for kink in self.table.kinks)
         self.equilibrium = -self.N * (math.nan if at_kink else float(law.slope(V))) / self.ratio
-        _, first, oscillator = np.unique(self.eta, return_index=True, return_inverse=True)
-        found = self._needed(first, np.ones(first.size))[oscillator]
-        self.exact, self.error = found.T
+        eta, oscillator = np.unique(self.eta, return_inverse=True)
+        orbits = eta, eta * (self.table.static - self.table.onset), np.ones(eta.size)
+        found = np.empty((eta.size, 5))
+        self.system.spread(needed_all, orbits, (SIGNS,), found, few=0)
+        check_time()
+        end, *ratios = found[oscillator, :3].T
+        self.exact, self.error = np.where(end == Found.ROOT, ratios, math.nan)
 
     def _oscillator(self, V: float, i: int) -> Oscillator:
         return Oscillator(V=V, **{name: float(column[i]) for name, column in self.points.items()})
-
-    def _orbits(
-        self, loop: Callable[..., None], width: int, cell: IntArray, A: FloatArray, *columns: FloatArray
-    ) -> FloatArray:
-        """Return what a loop finds of orbits, by the numbers of their cells and amplitudes over V."""
-        eta = self.eta[cell]
-        push = eta * (self.table.static - self.table.onset)
-        found = np.empty((cell.size, width))
-        self.system.spread(loop, (eta, push, A, *columns), (SIGNS,), found, few=0)
-        check_time()
-        return found
-
-    def _needed(self, cell: IntArray, A: FloatArray) -> FloatArray:
-        """Return needed damping ratios and their errors, a row for each orbit; NaN where there is none."""
-        found = self._orbits(needed_all, 5, cell, A)
-        return np.where(found[:, :1] == Found.ROOT, found[:, 1:3], math.nan)
 
     def cells(self) -> Cells:
         """Decide the cells."""
         zeta, exact, equilibrium = self.zeta, self.exact, self.equilibrium
         largest = np.nan_to_num(np.fmax(np.abs(exact), np.abs(equilibrium)))
-        margin = max(self.rtol, _KNOWN) * largest + np.nan_to_num(self.error)
+        margin = self.rtol * largest + np.nan_to_num(self.error)
         near = (np.abs(zeta - exact) <= margin) | (np.abs(zeta - equilibrium) <= margin)
         returns, rest = zeta < exact, zeta > equilibrium
         held, escapes, known = self._after_return(returns)
@@ -222,24 +208,23 @@ class _Decider:
 
     def _slip_cycles(self, known: BoolArray) -> tuple[BoolArray, BoolArray]:
         """Tell where there is a cycle in pure slip, and a stable one; beside a fold `known` becomes false."""
-        cycle, stable, grows, beside_folds, lost = orbit_signs(self._gaps, self.zeta < self.equilibrium)
+        cycle, stable, beside_folds, lost = orbit_signs(self._gaps, self.zeta < self.equilibrium)
         known &= ~lost
-        if self.table.static == self.table.onset:
-            # A cycle may touch the belt's speed but for less than what is looked at.
-            last = grows != (self.zeta < self.exact)
-            cycle, stable = cycle | last, stable | last & grows
         known[[i for i, _, _ in beside_folds]] = False
         return cycle, stable
 
     def _gaps(self, cell: IntArray, A: FloatArray) -> FloatArray:
         """Return gaps, cut at -1 and 1, by the numbers of cells; NaN where the sign is not known."""
-        found = self._orbits(_gaps_all, 1, cell, A, self.zeta[cell])[:, 0]
+        found = np.empty((cell.size, 1))
+        self.system.spread(_gaps_all, (self.eta[cell], self.zeta[cell], A), (SIGNS,), found, few=0)
+        check_time()
         unsure = np.fmin(_UNSURE, 2 * math.pi * self.error[cell])  # of weak friction all gaps are small
-        return np.where(np.abs(found) < unsure, math.nan, np.clip(found, -1.0, 1.0))
+        gaps = found[:, 0]
+        return np.where(np.abs(gaps) < unsure, math.nan, np.clip(gaps, -1.0, 1.0))
 
     def _follow(self, cells: Cells, i: int) -> None:
         """Decide one cell by following motions."""
-        osc, rtol = self._oscillator(self.system.V, i), self.rtol * _FINER
+        osc, rtol = self._oscillator(self.system.V, i), self.rtol / NEAR  # so near a separatrix it is not decided
         found, why = None, ""
         try:
             check_time()

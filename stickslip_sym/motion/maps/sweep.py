@@ -6,9 +6,9 @@ meet where the damping that slip orbits need has an extremum (fold).
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
-from functools import lru_cache
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
@@ -27,8 +27,8 @@ from stickslip_sym.motion.margins.critical import critical
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import needed_damping
 from stickslip_sym.motion.orbits.needed import ROUNDING
-from stickslip_sym.motion.regimes.regime import regime
-from stickslip_sym.motion.roots import sign_changes
+from stickslip_sym.motion.regimes.regime import Regime, kept_regime
+from stickslip_sym.motion.roots import NEAREST, closest, sign_changes
 from stickslip_sym.motion.steps import TIGHT
 
 if TYPE_CHECKING:
@@ -37,8 +37,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _LINES = {"Hopf": ":", "graze": "-", "fold": "--"}
-_CLOSE = 1e-9  # relative error that is asked for of a graze, and that of an interpolated damping at a fold
-_BESIDE = 1e-4  # relative distance at which the slope at a fold is taken
+_CLOSE = 1e-9  # relative error that is asked for of a graze and a fold
 
 
 @dataclass(frozen=True)
@@ -163,17 +162,16 @@ def basin_sweep(
     axis = read_axis(law, "over", over)
     box = _limits("x0", x0), _limits("v0", v0)
 
-    def at(value: float) -> tuple[FrictionLaw, Oscillator]:
-        return placed(law, asdict(osc) | {axis.name: value})
+    def at(value: float) -> Regime:
+        return kept_regime(*placed(law, asdict(osc) | {axis.name: value}), TIGHT)
 
     values = axis.values.tolist()
     with deadline.time_limit(time_limit):
-        regimes = [regime(*at(value), rtol=TIGHT) for value in values]
+        regimes = [at(value) for value in values]
         shares = [shares_by_area(found, *box) for found in regimes]
-        changes = _critical(*at(values[0]), axis)
-        for ends, (before, after) in zip(pairwise(values), pairwise(regimes), strict=True):
-            if len(before.cycles) != len(after.cycles):
-                changes += _folds(at, *ends)
+        changes = _critical(regimes[0].law, regimes[0].oscillator, axis)
+        for low, high in pairwise(values):
+            changes += _folds(at, low, high, max(abs(low), abs(high)))
     present = [motion for motion in Motion if any(motion in share for share in shares)]
     none, unsettled = Share(0.0, 0.0), Share(math.nan, math.nan)
     table = {motion: [share.get(motion, none if share else unsettled) for share in shares] for motion in present}
@@ -198,41 +196,43 @@ def _critical(law: FrictionLaw, osc: Oscillator, axis: Axis) -> list[Change]:
     """Return where the damping is critical for rest, and for stick-slip."""
     grid = np.union1d(axis.values, (axis.values[1:] + axis.values[:-1]) / 2).tolist()
     others = {name: value for name, value in asdict(osc).items() if name != axis.name}
+    kinds: dict[Literal["Hopf", "graze"], str] = {"Hopf": "equilibrium", "graze": "auto"}
+    if axis.name in ("m", "k"):  # on which no average depends
+        del kinds["Hopf"]
     changes = []
-    if axis.name not in ("m", "k"):  # on which no average depends
-        for one in critical(law, axis.name, **others, method="equilibrium", rtol=_CLOSE, within=grid):
-            off = ROUNDING * abs(one.sensitivity.get("c", 1.0) * others.get("c", one.value))
-            changes.append(Change("Hopf", one.value, off + ROUNDING * abs(one.value)))
-    for one in critical(law, axis.name, **others, rtol=_CLOSE, within=grid):
-        changes.append(Change("graze", one.value, (one.relative_error or 0.0) * abs(one.value)))
+    for kind, method in kinds.items():
+        for one in critical(law, axis.name, **others, method=method, rtol=_CLOSE, within=grid):
+            error = ROUNDING * abs(one.sensitivity.get("c", 1.0) * others.get("c", one.value))
+            own = (one.relative_error or 0.0) if kind == "graze" else ROUNDING  # Hopf points are averages, exactly
+            changes.append(Change(kind, one.value, error + own * abs(one.value)))
     return [one for one in changes if grid[0] <= one.value <= grid[-1]]
 
 
-def _folds(at: Callable[[float], tuple[FrictionLaw, Oscillator]], *ends: float) -> Iterator[Change]:
-    """Yield where an extremum of the damping that slip orbits need passes the damping that there is."""
+def _folds(at: Callable[[float], Regime], low: float, high: float, scale: float) -> list[Change]:
+    """Return where two cycles in pure slip meet; distances are over a scale.
 
-    def excess(value: float) -> FloatArray:
-        law, osc = at(value)
-        return _extrema(law, replace(osc, c=0.0)) - 2 * osc.zeta
+    Their number changes by two there. By one it changes where rest loses stability, and where a cycle touches the
+    belt's speed. Once the two are close, the extremum of the gap between them passes 0 at the fold.
+    """
+    ends = at(low), at(high)
+    numbers = [np.count_nonzero(np.diff(end.growth)) for end in ends]
+    change = abs(numbers[0] - numbers[1])
+    middle, half = (low + high) / 2, (high - low) / 2
+    with suppress(InputError, NotConverged):  # then it is only known to lie between the two
+        if change and half > NEAREST * scale:
+            return _folds(at, low, middle, scale) + _folds(at, middle, high, scale)
+        if change > 1:
+            more = max(ends, key=lambda end: len(end.slip_cycles))
+            amplitudes = np.array([cycle.amplitude for cycle in more.slip_cycles]) / more.oscillator.V
+            first = int(np.argmin(np.diff(amplitudes)))
+            inner, outer = amplitudes[first : first + 2].tolist()
 
-    try:
-        values = [excess(value) for value in ends]
-        if len(values[0]) == len(values[1]):
-            for i, pair in enumerate(zip(*values, strict=True)):
-                for value in sign_changes(lambda x, i=i: float(excess(x)[i]), ends, pair, ROUNDING):  # type: ignore[misc]
-                    off = _BESIDE * (max(abs(end - value) for end in ends))
-                    off = off if value + off < ends[1] else -off
-                    slope = float(excess(value + off)[i] - excess(value)[i]) / off
-                    error = _CLOSE / abs(slope) if slope else math.inf
-                    yield Change("fold", value, error + ROUNDING * abs(value))
-            return
-    except (InputError, NotConverged):
-        pass
-    yield Change("fold", sum(ends) / 2, (ends[1] - ends[0]) / 2)  # it is only known to lie between the two
+            def extremum(value: float) -> float:
+                need, damping = needed_damping(at(value).law, at(value).oscillator), 2 * at(value).oscillator.zeta
+                sign, flat = -more.growth[first + 1], math.sqrt(ROUNDING)
+                return closest(lambda A: need.gap(A, damping), inner, outer, sign, flat)[1]
 
-
-@lru_cache(maxsize=64)  # along c the oscillators of a sweep share them
-def _extrema(law: FrictionLaw, osc: Oscillator) -> FloatArray:
-    """Return the extrema of the damping that slip orbits need, over sqrt(k m)."""
-    need = needed_damping(law, osc)
-    return need.at(need.folds)
+            error = _CLOSE * scale * (1 + 1 / more.system.eta)  # of weak friction all gaps are small
+            for value in sign_changes(extremum, (low, high), (extremum(low), extremum(high)), ROUNDING):
+                return [Change("fold", value, error)]
+    return [Change("fold", middle, half)] if change > 1 else []

@@ -7,7 +7,6 @@ the halves of an orbit has the sign of d(A) - c/sqrt(k m), so d itself need not 
 
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,15 +17,14 @@ from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.orbits.needed import PARTED, ROUNDING, gap, halves, needed_ratio, sure_gap
-from stickslip_sym.motion.roots import NEAREST, amplitude, closest, orbit_signs, sign_changes
+from stickslip_sym.motion.orbits.needed import PARTED, ROUNDING, halves, needed_ratio, sure_gap
+from stickslip_sym.motion.roots import NEAREST, closest, orbit_signs, sign_changes
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.steps import TIGHT
 from stickslip_sym.output import markup
 
 _NEUTRAL = 3e-12  # gap below which an orbit is periodic within the errors of the steps
-_FOLD = 1e-9  # tolerance of an amplitude over the belt's speed at a fold
-_BESIDE = 1e-6  # relative distance inside such an orbit, where the sign of its step is looked at
+_BESIDE = 1e-7  # distance from an orbit over its amplitude: by its square the gap changes beside a fold
 _STRONGEST = 1e-300  # contraction in a round, or backward, that is distinguished from 0
 
 
@@ -115,21 +113,9 @@ class NeededDamping:
 
         found = orbit_signs(clipped, np.zeros(1, dtype=bool))
         for _, low, high in found.open:  # beside a fold: the gap may change its sign twice
-            closest(gap, low, high, math.copysign(1.0, gap(low)), _FOLD)
-        gap(1.0)
+            closest(gap, low, high, math.copysign(1.0, gap(low)), _BESIDE)
         nodes = sorted(gaps)
         return np.array(list(sign_changes(gap, nodes, [gaps[A] for A in nodes], ROUNDING)))
-
-    @cached_property
-    def folds(self) -> FloatArray:
-        """The amplitudes at which d turns: a stable and an unstable orbit meet there."""
-        system, wedge = self.system, tuple(self.system.no_wedge)
-
-        def slope(A: float) -> float:
-            return float(gap(system.rise, system.eta, self._one(A) / 2, 0.0, A, TIGHT, True, -A, wedge)[1])
-
-        nodes = amplitude(np.linspace(0, 1, 33)).tolist()
-        return np.array(list(sign_changes(slope, nodes, [slope(A) for A in nodes], ROUNDING)))
 
 
 def needed_damping(law: FrictionLaw, osc: Oscillator) -> NeededDamping:

@@ -260,7 +260,6 @@ def test_roots_of_random_curves_are_found():
         decided += 1
         assert found.cycle[i] == (above[1:] != above[:-1]).any()
         assert found.stable[i] == (above[:-1] & ~above[1:]).any()
-        assert found.grows[i] == above[-1]
         stable += found.stable[i]
     assert decided > 400
     assert 50 < stable < 350
