@@ -28,10 +28,11 @@ from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, Found, needed_all, sure_gap
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
-from stickslip_sym.motion.regimes.regime import NEAR, regime
+from stickslip_sym.motion.regimes.regime import regime
 from stickslip_sym.motion.regimes.rounds import friction_far_out, rounds
 from stickslip_sym.motion.roots import orbit_signs
 from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.steps import ADDED
 from stickslip_sym.motion.thresholds.averages import slope_mean
 
 LATE = "not reached: time limit, or Ctrl-C"
@@ -224,7 +225,7 @@ class _Decider:
 
     def _follow(self, cells: Cells, i: int) -> None:
         """Decide one cell by following motions."""
-        osc, rtol = self._oscillator(self.system.V, i), self.rtol / NEAR  # so near a separatrix it is not decided
+        osc, rtol = self._oscillator(self.system.V, i), self.rtol / ADDED  # so near a separatrix it is not decided
         found, why = None, ""
         try:
             check_time()
