@@ -28,12 +28,38 @@ def test_one_slip_and_many_give_the_same_digits(compiling, monkeypatch):
     else:
         monkeypatch.setattr("stickslip_sym.motion.slip.is_compiling", lambda: False)
     for until in (End.RETURN, End.MINIMUM, End.LEVEL):
-        for _, system, q, w, side in systems(24 if compiling else 8, seed=3):
+        for number, (_, system, q, w, side) in enumerate(systems(24 if compiling else 8, seed=3)):
             options = {"until": until, "level": 1.0, "horizon": 20.0, "rtol": 1e-11, "most": 2000}
+            options["passes"] = number % 3
             single = system.slip(q, w, side, **options)
             many = system.slips(np.full(20, q), np.full(20, w), side, **options).one(7)  # fewer are plain
             assert many.end is single.end
             assert many[1:-1] == pytest.approx(single[1:-1], rel=1e-13, abs=1e-13)
+
+
+def test_slip_goes_on_beyond_the_belt_speed():
+    """As slips after one another do; and where it ends changes with where it began as the wedge says."""
+    compared = 0
+    for law, strong, q, w, side in systems(60, seed=5):
+        system = replace(strong, eta=strong.eta / 30)  # so weak that the mass seldom sticks
+
+        def end(q, w=w, side=side, system=system, **options):
+            return system.slip(q, w, side, passes=2, rtol=1e-12, **options)
+
+        whole = end(q, wedge=system.no_wedge, D=-system.acceleration(q, w, side))
+        if whole.end is not End.RETURN or whole.passed < 2:
+            continue
+        parts = [system.slip(q, w, side, rtol=1e-12)]
+        for other in (-side, side):
+            parts.append(system.slip(parts[-1].q, 0.0, other, rtol=1e-12))
+        assert (whole.side, whole.u_least < 0 < whole.u_most) == (side, True), law
+        assert whole.q == pytest.approx(parts[-1].q, abs=1e-9), law
+        assert whole.tau == pytest.approx(sum(part.tau for part in parts), abs=1e-9), law
+        step = 1e-4
+        slope = (8 * (end(q + step).q - end(q - step).q) - end(q + 2 * step).q + end(q - 2 * step).q) / (12 * step)
+        assert -whole.wedge / whole.rate == pytest.approx(slope, rel=1e-4, abs=1e-6), law
+        compared += 1
+    assert compared > 10
 
 
 def test_workers_give_the_same():
