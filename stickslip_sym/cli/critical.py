@@ -26,9 +26,7 @@ def run(given: Given) -> None:
     Example: stickslip critical exponential --of mu_s -c 2 -V 0.5
     """
     of, at = given["of"], point(given, without=[given["of"]])
-    how: dict[str, Any] = {name: given[name] for name in ("method", "time_limit")} | {
-        "rtol": given["rtol"] or 1e-3
-    }
+    how: dict[str, Any] = {name: given[name] for name in ("method", "time_limit", "rtol")}
     if "c" not in at.texts and of != "c":
         raise InputError("critical values are computed at a given damping: add -c VALUE")
     if of == "all":

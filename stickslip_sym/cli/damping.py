@@ -29,7 +29,7 @@ def run(given: Given) -> None:
     for at in points(given, without=("c",)):
         given.all_used()
         if method is None:
-            compared = ss.compare(at.law, None, rtol=min(rtol or _RTOL, _RTOL), time_limit=limit, **at.texts)
+            compared = ss.compare(at.law, None, rtol=min(rtol, _RTOL), time_limit=limit, **at.texts)
             rows = tuple(replace(row, reason=in_options(row.reason)) for row in compared)
             found.append({"operating_point": at, "rows": rows})
             texts.append(f"{at}\n\n{replace(compared, rows=rows)}")

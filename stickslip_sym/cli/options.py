@@ -218,5 +218,7 @@ METHOD = [
     option(
         "--method", metavar="NAME", default="auto", shell_complete=_complete(_methods), help="A method, or auto."
     ),
-    option("--rtol", metavar="X", read=read_number, help="Relative error that is good enough (0.001)."),
+    option(
+        "--rtol", metavar="X", read=read_number, default=1e-3, help="Relative error that is good enough (0.001)."
+    ),
 ]

@@ -59,6 +59,7 @@ REFUSED = [
     ("damping linear -v 1", "No such option '-v'. See: stickslip damping --help"),
     ("critical exponential --of N", "critical values are computed at a given damping: add -c VALUE"),
     ("critical exponential --of alpha -c 1 --within 3", "is not LOW:HIGH"),
+    ("critical exponential --of alpha -c 1 --rtol 0", "rtol = 0 is outside"),
     ("simulate exponential --x0 here", "x0 = 'here' is not a number"),
     ("simulate exponential --plot a.doc", "its ending is none of .svg, .png, .pdf"),
     *((f"map exponential --x {text} --y c=1:2:2", message) for text, message in (

@@ -3,7 +3,6 @@
 import json
 import math
 import warnings
-from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -25,7 +24,7 @@ from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.output import markup
 from stickslip_sym.output.content import content
 from stickslip_sym.output.drawing import BLUE, Drawn, finish, new_figure, picture
-from stickslip_sym.output.tables import table
+from stickslip_sym.output.report import Report, Rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,8 +35,6 @@ _RATHER = 0.01  # Akaike weight of laws over which a quantity is averaged, over 
 _NORMAL = 1.96  # standard errors on either side, 95 % of a normal distribution
 
 Band = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
-Rows = tuple[list[str], list[list[str]]]
-"""A table: its header and its rows."""
 
 
 # -- the curve of a law with what its standard errors leave open ------------------------------------
@@ -77,23 +74,16 @@ def draw_law(
 # -- fits -------------------------------------------------------------------------------------------
 
 
-class _Report(Drawn):
-    """A result that shows what it says as text, as HTML, as JSON and as a picture."""
-
-    @abstractmethod
-    def _parts(self) -> list[str | Rows]:
-        """Return sentences, and tables as a header and rows, in the order in which they are shown."""
+class _Report(Report, Drawn):
+    """A report that is shown as JSON and as a picture too."""
 
     def to_json(self) -> str:
         """Return all that is said as JSON."""
         return json.dumps(content(self), indent=2, ensure_ascii=False, allow_nan=False)
 
-    def __str__(self) -> str:
-        return "\n\n".join(part if isinstance(part, str) else table(*part) for part in self._parts())
-
     def _repr_html_(self) -> str:
-        parts = [part if isinstance(part, str) else markup.table(*part) for part in self._parts()]
-        return markup.block(*parts, picture(self._figure, "measured friction and the fitted law"))
+        parts = markup.Markup(super()._repr_html_())
+        return markup.block(parts, picture(self._figure, "measured friction and the fitted law"))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

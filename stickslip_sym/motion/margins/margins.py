@@ -20,8 +20,7 @@ from stickslip_sym.motion.margins.critical import Critical, critical, excess
 from stickslip_sym.motion.thresholds.methods import Method
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.motion.thresholds.uncertainty import standard_errors
-from stickslip_sym.output import markup
-from stickslip_sym.output.tables import table
+from stickslip_sym.output.report import Report, Rows
 
 _SEED = 20160428  # of the samples
 
@@ -75,8 +74,8 @@ class Sampled:
         return f"{self.probability:.3g} +/- {self.standard_error:.1g} (samples{undecided})"
 
 
-@dataclass(frozen=True)
-class Margins:
+@dataclass(frozen=True, repr=False)
+class Margins(Report):
     """How far an operating point is from where stick-slip sets in or ends.
 
     Attributes
@@ -110,38 +109,27 @@ class Margins:
         """Whether stick-slip is possible: c lies below the threshold."""
         return bool(self.c < self.threshold.value)
 
-    @property
-    def _cells(self) -> tuple[list[str], list[list[str]]]:
+    def _parts(self) -> list[str | Rows]:
         rows = []
         for row in self.rows:
             ends = ["" if one is None else f"{one.value:.6g}" for one in (row.below, row.above)]
             change = f"{100 * row.change:+.3g} %" if math.isfinite(row.change) else "none"
             rows.append([row.name, f"{row.value:.6g}", *ends, change])
-        return ["quantity", "value", "critical below", "critical above", "smallest change"], rows
+        header = ["quantity", "value", "critical below", "critical above", "smallest change"]
+        lines = [f"{name}: {why}" for name, why in self.refused.items()]
+        if self.probability is not None:
+            lines.append(f"probability that stick-slip is possible: {self.probability:.3g} (first order)")
+        if self.sampled is not None:
+            lines[-1] += f", {self.sampled}"
+        return [self._head, (header, rows), *lines]
 
     @property
     def _head(self) -> str:
         state = "stick-slip is possible" if self.stick_slip else "no stick-slip"
         return f"{state}: c = {self.c:.6g} kg/s, pure-slip damping {self.threshold}"
 
-    @property
-    def _remarks(self) -> list[str]:
-        lines = [f"{name}: {why}" for name, why in self.refused.items()]
-        if self.probability is not None:
-            lines.append(f"probability that stick-slip is possible: {self.probability:.3g} (first order)")
-        if self.sampled is not None:
-            lines[-1] += f", {self.sampled}"
-        return lines
-
-    def __str__(self) -> str:
-        return "\n".join([self._head, "", table(*self._cells), *([""] if self._remarks else []), *self._remarks])
-
     def __repr__(self) -> str:
         return f"Margins: {self._head}"
-
-    def _repr_html_(self) -> str:
-        header, rows = self._cells
-        return markup.table(header, rows, caption="; ".join([self._head, *self._remarks]))
 
 
 def margins(

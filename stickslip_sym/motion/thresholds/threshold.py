@@ -43,9 +43,6 @@ if TYPE_CHECKING:
     from stickslip_sym.criteria.enclosure import Enclosure
     from stickslip_sym.motion.thresholds.theorem import Theorem
 
-_ENOUGH = 1e-3  # relative error of a threshold that is good enough where nothing else is said
-_NOT_NEEDED = "no damping is needed: a negative value says how much energy must be fed in for stick-slip"
-
 
 @dataclass(frozen=True)
 class Threshold:
@@ -162,24 +159,22 @@ class Threshold:
     def __str__(self) -> str:
         if not np.size(self.value):
             return "0 thresholds"
-        error, budget = self.relative_error, None
+        error, low, high = self.relative_error, np.min(self.value), np.max(self.value)
         worst = accuracy(None if error is None else float(np.max(error)))
-        if np.ndim(self.value) == 0 and self.theorem is None:
-            with suppress(OutOfTime):
-                budget = self.budget
+        most = "at most " if self.theorems else ""
+        basis = f"{', '.join(np.unique(self.method))}, relative error {most}{worst}, {self.status}"
         if np.ndim(self.value):
-            low, high, names = np.min(self.value), np.max(self.value), ", ".join(np.unique(self.method))
-            text = f"{self.value.size} thresholds from {low:.6g} to {high:.6g} kg/s "
-            text += f"({names}, relative error {worst}, {self.status})"
-        elif self.theorem is not None:
-            text = f"{self.enclosure} kg/s ({self.method}, relative error at most {worst}, PROVED)"
-        elif budget is not None:
-            off = "unknown" if error is None else f"{error * abs(self.value):.0e}"
-            value = with_error(self.value, budget.uncertainty)
-            text = f"{value} kg/s (parameters) +/- {off} (method: {self.method})"
+            text = f"{self.value.size} thresholds from {low:.6g} to {high:.6g} kg/s ({basis})"
         else:
-            text = f"{self.value:.10g} kg/s ({self.method}, relative error {worst}, {self.status})"
-        return text + (f"; {_NOT_NEEDED}" if np.min(self.value) < 0 else "")
+            text = f"{self.enclosure or format(low, '.10g')} kg/s ({basis})"
+            with suppress(OutOfTime):
+                if self.budget is not None and not self.theorems:
+                    off = "unknown" if error is None else f"{error * abs(self.value):.0e}"
+                    value = with_error(self.value, self.budget.uncertainty)
+                    text = f"{value} kg/s (parameters) +/- {off} (method: {self.method})"
+        if low < 0:
+            text += "; no damping is needed: a negative value says how much energy must be fed in for stick-slip"
+        return text
 
     def __repr__(self) -> str:
         return f"Threshold: {self}"
@@ -209,7 +204,7 @@ def pure_slip_damping(
     m: Quantity | None = None,
     k: Quantity | None = None,
     method: str | Criterion | Method = "auto",
-    rtol: float | None = None,
+    rtol: float = 1e-3,
     time_limit: float | None = None,
 ) -> Threshold:
     """Return the pure-slip damping of a law at operating points: with less damping the slip from P comes back.
@@ -233,9 +228,9 @@ def pure_slip_damping(
         digits for. Without m and k it gives "harmonic", the limit of weak friction. Otherwise one method:
         "equilibrium", "least_squares", "harmonic", "second_order", "orbit", "simulation", the average by a
         criterion of one's own, or "proof", which encloses the threshold, with every error bounded.
-    rtol : float, optional
+    rtol : float
         Relative error that is good enough, 1e-13 to 1; for "simulation" at most 1e-3; for "proof" 1e-40 to 1e-3.
-        1e-3 if not given. An average is what it is: its error is stated, whatever `rtol`.
+        An average is what it is: its error is stated, whatever `rtol`.
     time_limit : float, optional
         Seconds of computation after which it is given up, and likewise what the result computes when it is asked.
 
@@ -277,7 +272,7 @@ def pure_slip_damping(
     if chosen is None and not points.has_oscillator:
         chosen = find_method("equilibrium" if is_straight(law) else "harmonic")
     least, most = (1e-13, 1.0) if chosen is None else (chosen.tightest, chosen.loosest)
-    rtol = read_rtol(_ENOUGH if rtol is None else rtol, least=least, most=most)
+    rtol = read_rtol(rtol, least=least, most=most)
     if len(points):
         warn_where_negative(law, float(points.V.max()))
     with deadline.time_limit(time_limit):

@@ -13,8 +13,7 @@ from stickslip_sym.core.aliases import FloatArray, Numbers
 from stickslip_sym.core.errors import NO_RESULT, InputWarning
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
-from stickslip_sym.output import markup
-from stickslip_sym.output.tables import table
+from stickslip_sym.output.report import Report, Rows
 
 _FAR = np.sqrt(3.0)  # standard errors; the outer nodes of the Gauss rule of three for normal errors
 _SUFFICES = 0.1  # of the first order's standard error, by which the second order's may differ
@@ -32,7 +31,7 @@ def standard_errors(points: OperatingPoints) -> tuple[tuple[str, ...], FloatArra
 
 
 @dataclass(frozen=True)
-class Budget:
+class Budget(Report):
     """Which standard error brings how much of that of a threshold, to first order.
 
     The variance is the sum of s_i C_ij s_j, s the sensitivities and C the covariance. The share of i is its row
@@ -88,24 +87,15 @@ class Budget:
             [pair for pair in pairs if abs(pair[2]) > _ROUNDING],
         )
 
-    @property
-    def _cells(self) -> tuple[list[str], list[list[str]]]:
+    def _parts(self) -> list[str | Rows]:
         rows = []
         for name in self.names:
             share = _range(100 * np.asarray(self.shares[name]), ".1f")
             rows.append([name, f"{self.deviations[name]:.3g}", _range(self.alone[name], ".3g"), f"{share} %"])
-        return ["quantity", "standard error", "alone, kg/s", "share of the variance"], rows
-
-    @property
-    def _remark(self) -> str:
+        header = ["quantity", "standard error", "alone, kg/s", "share of the variance"]
         pairs = ", ".join(f"{one} and {other} ({r:+.2f})" for one, other, r in self.correlated)
-        return f"correlated: {pairs}; their shares hold only together" if pairs else ""
-
-    def __str__(self) -> str:
-        return table(*self._cells) + (f"\n{self._remark}" if self._remark else "")
-
-    def _repr_html_(self) -> str:
-        return markup.table(*self._cells, caption=self._remark or "budget of the standard error")
+        remarks = [f"correlated: {pairs}; their shares hold only together"] if pairs else []
+        return [(header, rows), *remarks]
 
 
 def shaped(column: FloatArray, shape: tuple[int, ...]) -> Any:
