@@ -118,7 +118,7 @@ def _states(
 
 
 _PATIENT = 1e4  # decay times, after which a motion without a turn creeps to rest
-_MORE_STEPS = 20  # for every unit of tau and segment of the law, on the way to a given horizon
+_FAR_OUT = 1e12  # slip speed over the belt's, beyond every feature of a law: it stands for all that are higher
 _FEW, _FEW_STATES = 8, 1000  # slips, and states, up to which plain Python is as fast as loading compiled code
 _BATCH = 4000  # slips between two looks at the time limit, some hundredths of a second compiled
 
@@ -196,6 +196,12 @@ class Dimensionless:
         """Whether static friction holds the mass at a displacement, or at many: |c V + k x| <= mu_static N."""
         return (q <= 0) & (q >= -2 * self.eta * self.table.static)
 
+    @property
+    def friction_far_out(self) -> float:
+        """mu(V w)/w at slip speeds beyond every feature of the law; 0 if it is measured up to a speed."""
+        v = min(_FAR_OUT * self.V, self.table.end)
+        return 0.0 if math.isfinite(self.table.reach) else (self.table.onset + self.table.rise(v)) * self.V / v
+
     def slip_speed(self, q: Any, u: Any) -> tuple[Any, Any]:
         """Return w and side for velocities u over the belt's; at the belt's speed, to where the mass leaves."""
         return np.abs(1 - u), np.where((u < 1) | ((u == 1) & (q >= 0)), 1.0, -1.0)
@@ -233,10 +239,9 @@ class Dimensionless:
         Raises, without `most`, what `refusal` returns.
         """
         end_tau = self.horizon if horizon is None else horizon
-        more = 0.0 if horizon is None else _MORE_STEPS * len(self.rise.jumps) * end_tau
         end, state, far, steps = follow(
             self.rise, self.eta, self.zeta, self.push(side), 2 * self.eta * self.table.static, float(side),
-            float(q), float(w), end_tau, math.ceil(MOST_STEPS + more) if most is None else most, passes, rtol,
+            float(q), float(w), end_tau, MOST_STEPS if most is None else most, passes, rtol,
             int(until), level, (wedge is not None, D, tuple(wedge or self.no_wedge)), recorded,
         )  # fmt: skip
         slip: Slip[float] = Slip._make((End(end), *state, *far, [Step(*step) for step in steps]))
@@ -270,6 +275,21 @@ class Dimensionless:
         arguments = rtol, int(until), level
         self.spread(_follow_all, columns, arguments, found, few=few, batch=batch, workers=workers)
         return Slip(*found.T)
+
+    def rounds(self, q: FloatArray, rtol: float, **options: Any) -> FloatArray:
+        """Follow rounds outside P's orbit, from displacements q >= 0 at the belt's speed, slower than it at first.
+
+        - `options`: of `slips`.
+
+        Returns the q where slip slower than the belt begins again: NaN if the mass sticks before, 0 if it stays
+          slower than the belt, infinity if it moves away for ever or beyond what was measured, and -1 if that is
+          unknown.
+        """
+        slips = self.slips(q, np.zeros_like(q), passes=1, until=End.MINIMUM, rtol=rtol, **options)
+        back = slips.end == End.RETURN
+        slower = np.isin(slips.end, (End.MINIMUM, End.REST, End.HORIZON))
+        ends = [back & (slips.q <= 0), back, slower, slips.end == End.OUTSIDE]
+        return np.select(ends, [math.nan, slips.q, 0.0, math.inf], -1.0)
 
     def states(
         self, steps: Sequence[Step], which: IntArray, tau: FloatArray, side: float, rtol: float

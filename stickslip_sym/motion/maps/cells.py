@@ -29,7 +29,6 @@ from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, Found, needed_al
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
 from stickslip_sym.motion.regimes.regime import regime
-from stickslip_sym.motion.regimes.rounds import friction_far_out, rounds
 from stickslip_sym.motion.roots import orbit_signs
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.steps import ADDED
@@ -192,12 +191,12 @@ class _Decider:
         sticks = (begin <= 0) & (begin >= -2 * static)
 
         def ends(cells: BoolArray, q: FloatArray) -> FloatArray:
-            return rounds(self.system, q[cells], SIGNS, eta=self.eta[cells], zeta=zeta[cells], few=0)
+            return self.system.rounds(q[cells], SIGNS, eta=self.eta[cells], zeta=zeta[cells], few=0)
 
         end = np.zeros(zeta.shape)
         end[returns] = ends(returns, end)
         held, on_it = np.isnan(end), sticks | (static == 0)
-        comes_in = self.points["c"] + self.N * friction_far_out(self.law, self.system.V) >= 0
+        comes_in = 2 * zeta + self.eta * self.system.friction_far_out >= 0
         escapes = np.isinf(end) & ~comes_in & math.isinf(self.table.reach)
         known = (held | (np.isfinite(end) & (end > 0) & comes_in)) & on_it | escapes
         known |= ~returns & ((zeta >= 0) | sticks)

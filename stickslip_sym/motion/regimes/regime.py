@@ -30,7 +30,6 @@ from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles, needed_damping
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS
-from stickslip_sym.motion.regimes.rounds import friction_far_out, rounds
 from stickslip_sym.motion.regimes.separatrix import Separatrix, interpolated
 from stickslip_sym.motion.roots import NEAREST
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle, first_minimum, stick_slip_cycle
@@ -211,7 +210,7 @@ class Regime(drawing.Drawn):
 
     def _gain(self, q: float) -> float:
         """Return by how much a round that begins at q >= 0 ends farther out."""
-        return float(rounds(self.system, np.array([q]), self.rtol)[0]) - q
+        return float(self.system.rounds(np.array([q]), self.rtol)[0]) - q
 
     # -- where other motions go --------------------------------------------------------------------
 
@@ -268,8 +267,8 @@ class Regime(drawing.Drawn):
         So they do with a negative damping that friction does not outdo, or a coefficient of friction that falls
         below 0 for good.
         """
-        osc = self.oscillator
-        return bool(osc.c + osc.N * friction_far_out(self.law, osc.V) < 0)
+        system = self.system
+        return 2 * system.zeta + system.eta * system.friction_far_out < 0
 
     def of_rounds(self, begins: FloatArray, ends: FloatArray) -> ObjectArray:
         """Return what rounds outside P's orbit lead to, by where they begin and end.
@@ -282,7 +281,7 @@ class Regime(drawing.Drawn):
         if moved.any():
             near = np.geomspace(ends[moved].min() / _ROUNDS, ends[moved].max(), _ROUNDS)
             ahead = np.append(near, near[-1] * 4.0 ** np.arange(1, _ROUNDS // 2 + 1))
-            grow = rounds(self.system, ahead, self.rtol) > ahead
+            grow = self.system.rounds(ahead, self.rtol) > ahead
             away = moved & (ends > begins) & (ends >= ahead[~grow].max(initial=0.0))
             home = moved & (ends < begins) & (ends <= ahead[grow].min(initial=math.inf))
             for some, name in ((away, "beyond"), (home, "from_onset")):
