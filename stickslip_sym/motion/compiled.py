@@ -11,7 +11,7 @@ import os
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -91,8 +91,9 @@ def _forget_what_is_older() -> None:
     newest = max(os.path.getmtime(inspect.getfile(part)) for part in _marked)
     for part in _marked:
         for index in Path(kept(part).cache_path).glob(f"*.{part.__name__}-*.nbi"):
-            if index.stat().st_mtime < newest:
-                index.unlink(missing_ok=True)
+            with suppress(FileNotFoundError):  # another process may have done so
+                if index.stat().st_mtime < newest:
+                    index.unlink()
 
 
 def _say(line: str) -> None:
