@@ -144,8 +144,9 @@ def followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray,
         decide(left[slips.end == End.HORIZON], lambda: Motion.UNDECIDED)
         turned = slips.end == End.MINIMUM
         decide(left[turned], partial(plane.of_peaks, 1 - slips.w[turned]))
-        for i in np.flatnonzero(np.isin(slips.end, (End.OUTSIDE, End.STEPS, End.FAILED, End.LATE))).tolist():
-            decide(left[i : i + 1], partial(_away, plane, slips.one(i)))
+        late, lost = slips.end == End.LATE, np.isin(slips.end, (End.OUTSIDE, End.STEPS, End.FAILED))
+        for rows in filter(len, [np.flatnonzero(late), *np.flatnonzero(lost)[:, None]]):
+            decide(left[rows], partial(_away, plane, slips.one(rows[0])))
         back = slips.end == End.RETURN
         stuck = back & system.sticks(slips.q)
         decide(left[stuck], lambda: plane.from_onset)

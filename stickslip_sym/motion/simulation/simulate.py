@@ -221,7 +221,9 @@ def _many(
     phases[slipping] = 1 + slips.passed
     lowest[:, slipping] = slips.q_least, 1 - slips.u_most
     highest[:, slipping] = slips.q_most, 1 - slips.u_least
-    for i in np.flatnonzero(~np.isin(slips.end, (End.RETURN, End.HORIZON))).tolist():
+    for end, word in _OUTCOMES.items():
+        outcome[slipping[slips.end == end]] = word
+    for i in np.flatnonzero(np.isin(slips.end, (End.OUTSIDE, End.FAILED))).tolist():
         outcome[slipping[i]], _ = _outcome_of(system, slips.one(i), rtol)
 
     held = np.flatnonzero((w == 0) & (q < 0) & system.sticks(q) & (tau < horizon))
