@@ -22,9 +22,6 @@ _SEARCHED = 3  # halvings of a range with a cycle in it, so that no pair of othe
 _MOST_HALVINGS = 9
 _BENT = 2.0  # times its second difference, by which a value is far from a level; a parabola comes no closer
 
-Value = Callable[[IntArray, FloatArray], FloatArray]
-"""A function of amplitude for each row: of the numbers of rows and the amplitudes over V."""
-
 
 class OrbitSigns(NamedTuple):
     """What the slip orbits of each row do.
@@ -40,10 +37,10 @@ class OrbitSigns(NamedTuple):
     lost: BoolArray
 
 
-def orbit_signs(value: Value, grows_at_rest: BoolArray) -> OrbitSigns:
-    """Return where functions of amplitude lie above 0 and where below.
+def orbit_signs(value: Callable[[IntArray, FloatArray], FloatArray], grows_at_rest: BoolArray) -> OrbitSigns:
+    """Return where functions of amplitude, one for each row, lie above 0 and where below.
 
-    - `value`: of the sign of the growth in a round.
+    - `value`: of the sign of the growth in a round, by the numbers of rows and the amplitudes over V.
     - `grows_at_rest`: whether it is positive in the limit of small amplitudes, an entry for each row.
     """
     rows = np.arange(len(grows_at_rest))

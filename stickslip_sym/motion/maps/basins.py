@@ -12,19 +12,20 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.aliases import ObjectArray
+from stickslip_sym.core.aliases import BoolArray
 from stickslip_sym.core.errors import NotConverged, OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.maps.cells import LATE
-from stickslip_sym.motion.maps.drawing import paint, regions_of_motions
-from stickslip_sym.motion.maps.table import Axis, Table, count_of, read_values, require_few
+from stickslip_sym.motion.maps.drawing import CellMap, regions_of_motions
+from stickslip_sym.motion.maps.table import Axis, read_values, require_few
 from stickslip_sym.motion.motion import Motion
+from stickslip_sym.motion.regimes.attractors import Region
 from stickslip_sym.motion.regimes.classification import followed
 from stickslip_sym.motion.regimes.regime import Regime, kept_regime
-from stickslip_sym.motion.steps import TIGHT
+from stickslip_sym.motion.steps import ADDED, TIGHT
 from stickslip_sym.output import files
 
 if TYPE_CHECKING:
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-_COARSE = 1e-10  # tolerance at which the areas are measured again, for their error
 _CHECKED = 200  # initial conditions that are followed although geometry settles them
 _SEED = 1  # of their choice
 
@@ -60,7 +60,7 @@ class Share:
 
 
 @dataclass(frozen=True, repr=False)
-class BasinMap(Table):
+class BasinMap(CellMap):
     """The motions that initial conditions lead to.
 
     Attributes
@@ -83,7 +83,6 @@ class BasinMap(Table):
         By row and column, why an initial condition failed, or what geometry said where it disagrees.
     """
 
-    motion: ObjectArray
     regime: Regime
     share: dict[Motion, Share]
     simulated: int
@@ -95,25 +94,20 @@ class BasinMap(Table):
         """The motion."""
         return {"motion": files.texts(self.motion)}
 
-    def count(self) -> dict[Motion, int]:
-        """Return the number of initial conditions of each motion, where there are any."""
-        return count_of(self.motion)
-
     def _summary(self) -> str:
-        counts = ", ".join(f"{n} {motion.value}" for motion, n in self.count().items())
         differ = f"; {self.disagreements} simulated ones disagree with geometry" if self.disagreements else ""
-        return f"{counts}; {self.simulated} simulated{differ}"
+        return f"{super()._summary()}; {self.simulated} simulated{differ}"
 
     def _rows(self) -> tuple[Sequence[str], list[list[str]]]:
         rows = [[motion.value, str(n), str(self.share.get(motion, ""))] for motion, n in self.count().items()]
         return ["motion", "initial conditions", "share of the box"], rows
 
+    def _masks(self) -> dict[Region, BoolArray]:
+        return {region: self.motion == one for one, region in regions_of_motions().items()}
+
     def draw(self, ax: Axes) -> list[Artist]:
         """Draw it, and return the handles of its legend."""
-        masks = [(region, self.motion == one) for one, region in regions_of_motions().items()]
-        present = [(region, mask) for region, mask in masks if mask.any()]
-        place = np.select([mask for _, mask in present], range(len(present)), 0)
-        handles = paint(ax, self.x, self.y, place, [region for region, _ in present])
+        handles = super().draw(ax)
         for curve in self.regime.separatrices:
             lines = ax.plot(curve.x, curve.v, "k-", linewidth=1.6, label="separatrix")
         belt = ax.axhline(self.fixed["V"], color="black", linestyle=":", linewidth=1.0, label="belt speed")
@@ -203,9 +197,9 @@ def basin_map(
     if len(notes) - disagreements == motion.size and LATE not in notes.values():
         raise NotConverged(f"every initial condition failed, the first one since {notes[0, 0]}")
     if not share:
-        for one, count in count_of(motion).items():
-            value = count / motion.size
-            share[one] = Share(value, math.sqrt(value * (1 - value) / motion.size), counted=True)
+        for one in Motion:
+            if value := float(np.mean(motion == one)):
+                share[one] = Share(value, math.sqrt(value * (1 - value) / motion.size), counted=True)
     return BasinMap(axes, law, asdict(osc), motion, found, share, len(fates), disagreements, notes)
 
 
@@ -220,7 +214,7 @@ def shares_by_area(found: Regime, x0: tuple[float, float], v0: tuple[float, floa
     least = [0.0 if one.kind == "graze" else float(one.w(0.0)) for one in curves]
     q, w = (np.array(x0) - osc.onset(found.law)) / osc.length, np.clip(1 - np.array(v0[::-1]) / osc.V, 0.0, None)
     whole = float(q[1] - q[0]) * (v0[1] - v0[0]) / osc.V
-    both = curves, kept_regime(found.law, osc, _COARSE).curves(least)
+    both = curves, kept_regime(found.law, osc, ADDED * TIGHT).curves(least)  # again, for the error of the areas
     shares = np.array([np.diff([0.0, *(one.area_within(q, w) / whole for one in some), 1.0]) for some in both])
     summed = {motion: shares[:, [one is motion for one in motions]].sum(axis=1).tolist() for motion in motions}
     return {motion: Share(value, abs(value - rough) + math.ulp(1.0)) for motion, (value, rough) in summed.items()}

@@ -20,12 +20,13 @@ import numpy as np
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NO_RESULT, OutOfTime, StickSlipError
+from stickslip_sym.core.numbers import SAME
 from stickslip_sym.criteria.criterion import least_squares
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.compiled import compilable
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, Found, needed_all, sure_gap
+from stickslip_sym.motion.orbits.needed import SIGNS, Found, needed_all, sure_gap
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
 from stickslip_sym.motion.regimes.regime import regime
@@ -134,7 +135,7 @@ class _Decider:
         self.eta = self.N / (V * impedance)
         self.ratio = 2 * impedance  # damping over damping ratio
         self.zeta = points["c"] / self.ratio
-        at_kink = any(abs(kink / V - 1) <= 10 * ROUNDING for kink in self.table.kinks)
+        at_kink = any(abs(kink / V - 1) <= SAME for kink in self.table.kinks)
         self.equilibrium = -self.N * (math.nan if at_kink else float(law.slope(V))) / self.ratio
         eta, oscillator = np.unique(self.eta, return_inverse=True)
         orbits = eta, eta * (self.table.static - self.table.onset), np.ones(eta.size)

@@ -1,12 +1,15 @@
-"""Drawings of maps: regions by colour and hatching, and thresholds as curves."""
+"""Maps of motions over two axes, drawn as regions by colour and hatching."""
 
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import combinations, cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
-from stickslip_sym.motion.maps.table import Axis
+from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
+from stickslip_sym.motion.maps.table import Table
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Region
 
@@ -41,24 +44,55 @@ def regions_of_motions() -> dict[Motion, Region]:
     return found | {Motion.UNBOUNDED: UNBOUNDED, Motion.UNDECIDED: UNDECIDED}
 
 
-def paint(axes: "Axes", x: Axis, y: Axis, place: IntArray, kinds: list[Region]) -> "list[Artist]":
-    """Fill cells with colours and hatching, label the axes, and return the handles of the legend."""
-    from matplotlib.colors import ListedColormap
-    from matplotlib.patches import Patch, PathPatch
+@dataclass(frozen=True, repr=False)
+class CellMap(Table):
+    """The motion of each cell of two axes; a kind of map says which regions its cells are in."""
 
-    x_edges, y_edges = _edges(x.values), _edges(y.values)
-    axes.pcolormesh(
-        x_edges, y_edges, place, cmap=ListedColormap([kind.color for kind in kinds]),
-        vmin=-0.5, vmax=len(kinds) - 0.5, rasterized=True,
-    )  # fmt: skip
-    for i, kind in enumerate(kinds):
-        if kind.hatch:
-            cells = _outline(x_edges, y_edges, place == i)
-            axes.add_patch(PathPatch(cells, facecolor="none", edgecolor="black", hatch=kind.hatch, linewidth=0))
-    xscale, yscale = ("log" if _is_logarithmic(axis.values) else "linear" for axis in (x, y))
-    axes.set(xlabel=x.label, ylabel=y.label, xscale=xscale, yscale=yscale)
-    axes.set(xlim=(x_edges[0], x_edges[-1]), ylim=(y_edges[0], y_edges[-1]))
-    return [Patch(**kind.look) for kind in kinds]
+    motion: ObjectArray
+
+    @abstractmethod
+    def _masks(self) -> Mapping[Region, BoolArray]:
+        """Return the cells of each region; the last one counts, and where there is none a cell is undecided."""
+
+    def count(self) -> dict[Motion, int]:
+        """Return the number of cells of each motion, where there are any."""
+        return {one: n for one in Motion if (n := int((self.motion == one).sum()))}
+
+    def _summary(self) -> str:
+        return ", ".join(f"{n} {motion.value}" for motion, n in self.count().items())
+
+    def _rows(self) -> tuple[Sequence[str], list[list[str]]]:
+        return ["motion", "cells"], [[motion.value, str(n)] for motion, n in self.count().items()]
+
+    def regions(self) -> tuple[IntArray, list[Region]]:
+        """Return for each cell the place of its region in a list of those that occur."""
+        masks = self._masks()
+        kinds = list(masks)
+        index = np.full(self.motion.shape, kinds.index(UNDECIDED))
+        for i, mask in enumerate(masks.values()):
+            index[mask] = i
+        present, places = np.unique(index, return_inverse=True)
+        return places.reshape(index.shape), [kinds[i] for i in present]
+
+    def draw(self, ax: "Axes") -> "list[Artist]":
+        """Draw it, and return the handles of its legend."""
+        from matplotlib.colors import ListedColormap
+        from matplotlib.patches import Patch, PathPatch
+
+        place, kinds = self.regions()
+        x_edges, y_edges = _edges(self.x.values), _edges(self.y.values)
+        ax.pcolormesh(
+            x_edges, y_edges, place, cmap=ListedColormap([kind.color for kind in kinds]),
+            vmin=-0.5, vmax=len(kinds) - 0.5, rasterized=True,
+        )  # fmt: skip
+        for i, kind in enumerate(kinds):
+            if kind.hatch:
+                cells = _outline(x_edges, y_edges, place == i)
+                ax.add_patch(PathPatch(cells, facecolor="none", edgecolor="black", hatch=kind.hatch, linewidth=0))
+        xscale, yscale = ("log" if _is_logarithmic(axis.values) else "linear" for axis in self.axes)
+        ax.set(xlabel=self.x.label, ylabel=self.y.label, xscale=xscale, yscale=yscale)
+        ax.set(xlim=(x_edges[0], x_edges[-1]), ylim=(y_edges[0], y_edges[-1]))
+        return [Patch(**kind.look) for kind in kinds]
 
 
 def _outline(x_edges: FloatArray, y_edges: FloatArray, chosen: BoolArray) -> "Path":

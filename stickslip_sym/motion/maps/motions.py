@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -10,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
+from stickslip_sym.core.aliases import BoolArray, FloatArray, ObjectArray
 from stickslip_sym.core.errors import NotConverged, OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.motion.maps.cells import CURVES, LATE, Cells, Reason, decide
-from stickslip_sym.motion.maps.drawing import FAILED, UNBOUNDED, UNDECIDED, paint, regions_of_attractors
-from stickslip_sym.motion.maps.table import AxisValues, Table, count_of, read_plane
+from stickslip_sym.motion.maps.drawing import FAILED, UNBOUNDED, UNDECIDED, CellMap, regions_of_attractors
+from stickslip_sym.motion.maps.table import OSCILLATOR, AxisValues, read_plane
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Region
 from stickslip_sym.motion.workers import Progress, Workers, collect
@@ -28,12 +27,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-_ALONG = ("c", "k", "m", "N")  # quantities that change neither the law nor the belt speed
 _CELLS = 300  # of a task: so many share what is computed of a law
 
 
 @dataclass(frozen=True, repr=False)
-class MotionMap(Table):
+class MotionMap(CellMap):
     """The motions over a plane; arrays have a row for each value of y, and a column for each of x.
 
     Attributes
@@ -58,7 +56,6 @@ class MotionMap(Table):
 
     reported = ("motion", "reason", "attractors")
 
-    motion: ObjectArray
     attractors: dict[str, BoolArray]
     reason: ObjectArray
     thresholds: dict[str, FloatArray]
@@ -75,21 +72,11 @@ class MotionMap(Table):
             **{f"c_{name}": curve for name, curve in self.thresholds.items()},
         }
 
-    def count(self) -> dict[Motion, int]:
-        """Return the number of cells of each motion, where there are any."""
-        return count_of(self.motion)
-
-    def _summary(self) -> str:
-        return ", ".join(f"{n} {motion.value}" for motion, n in self.count().items())
-
-    def _rows(self) -> tuple[Sequence[str], list[list[str]]]:
-        return ["motion", "cells"], [[motion.value, str(n)] for motion, n in self.count().items()]
-
     def draw(self, ax: Axes) -> list[Artist]:
         """Draw it, and return the handles of its legend."""
         from matplotlib.lines import Line2D
 
-        handles = paint(ax, self.x, self.y, *self.regions())
+        handles = super().draw(ax)
         for name, (label, style, color) in CURVES.items():
             x, y, curve = self.x.values, self.y.values, self.thresholds[name]
             look: dict[str, Any] = {"linestyle": style, "color": color, "linewidth": 1.6}
@@ -103,22 +90,16 @@ class MotionMap(Table):
             handles.append(Line2D([], [], label=label, **look))
         return handles
 
-    def regions(self) -> tuple[IntArray, list[Region]]:
-        """Return for each cell the place of its region in a list of those that occur."""
-        regions = regions_of_attractors()
-        kinds = [*regions.values(), UNBOUNDED, UNDECIDED, FAILED]
-        failed = (self.reason == Reason.FAILED) | (self.reason == Reason.TIME)
-        exact = [
-            np.all([exists == (name in names) for name, exists in self.attractors.items()], axis=0)
-            for names in regions
-        ]
-        index = np.select(
-            [failed, self.motion == Motion.UNDECIDED, self.motion == Motion.UNBOUNDED, *exact],
-            [kinds.index(FAILED), kinds.index(UNDECIDED), kinds.index(UNBOUNDED), *range(len(regions))],
-            kinds.index(UNDECIDED),
-        )
-        present, places = np.unique(index, return_inverse=True)
-        return places.reshape(index.shape), [kinds[i] for i in present]
+    def _masks(self) -> dict[Region, BoolArray]:
+        masks = {
+            region: np.all([exists == (name in names) for name, exists in self.attractors.items()], axis=0)
+            for names, region in regions_of_attractors().items()
+        }
+        return masks | {
+            UNBOUNDED: self.motion == Motion.UNBOUNDED,
+            UNDECIDED: self.motion == Motion.UNDECIDED,
+            FAILED: (self.reason == Reason.FAILED) | (self.reason == Reason.TIME),
+        }
 
 
 def motion_map(
@@ -185,7 +166,7 @@ def motion_map(
     points = {name: np.full(grid[0].size, value) for name, value in fixed.items()}
     points |= {name: values.ravel() for name, values in zip(names, grid, strict=True)}
     # Those of one law and belt speed beside each other, and along c those that differ in nothing else.
-    keys = [*_ALONG, "V", *(name for name in names if name in law.parameters)]
+    keys = [*reversed(OSCILLATOR), *(name for name in names if name in law.parameters)]
     order = np.lexsort([points[name] for name in keys])
     rows = [order[i : i + _CELLS] for i in range(0, order.size, _CELLS)]
     with deadline.time_limit(time_limit):

@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import FloatArray, ObjectArray
+from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import read_array, real, suggestion
 from stickslip_sym.model.content import text_of_law
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.motion import Motion
 from stickslip_sym.output import drawing, files, markup
 
 if TYPE_CHECKING:
@@ -135,11 +134,6 @@ class Table(drawing.Drawn):
         for side, axis in zip("xy", self.axes, strict=False):
             arrays |= {side: axis.values, f"{side}_name": np.array(axis.name), f"{side}_unit": np.array(axis.unit)}
         files.write_npz(Path(path), arrays | {"law": np.array(text_of_law(self.law))})
-
-
-def count_of(motion: ObjectArray) -> dict[Motion, int]:
-    """Return the number of cells of each motion, where there are any."""
-    return {one: n for one in Motion if (n := int((motion == one).sum()))}
 
 
 # -- what is given -----------------------------------------------------------------------------------

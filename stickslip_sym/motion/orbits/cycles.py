@@ -80,13 +80,9 @@ class NeededDamping:
 
     def at(self, amplitude: ArrayLike) -> FloatArray:
         """Return d at amplitudes over the belt speed; d(0) is the Hopf bifurcation, d(1) the graze."""
-        A = np.asarray(amplitude, dtype=np.float64)
-        return np.array([self._one(float(one)) for one in A.ravel()]).reshape(A.shape)
-
-    def _one(self, A: float) -> float:
-        if A < NEAREST:
-            return -replace(self.system, zeta=0.0).decay(1.0)
-        return 2 * needed_ratio(self.system, A)[0]
+        A, hopf = np.asarray(amplitude, dtype=np.float64), -replace(self.system, zeta=0.0).decay(1.0)
+        d = [hopf if one < NEAREST else 2 * needed_ratio(self.system, one)[0] for one in A.ravel().tolist()]
+        return np.array(d).reshape(A.shape)
 
     def gap(self, A: float, damping: float) -> float:
         """Return the gap of an orbit at a damping over sqrt(k m), of the sign of d(A) - damping."""

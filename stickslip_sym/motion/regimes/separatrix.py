@@ -5,7 +5,6 @@ orbit that just touches the belt's speed. All these curves lie below the belt's 
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -19,7 +18,6 @@ from stickslip_sym.motion.slip import Dimensionless, Slip
 SeparatrixKind = Literal["limit cycle", "graze"]
 _SAMPLES = 257  # of a separatrix, in its public arrays
 _DEGREE = 12  # of the polynomials within a step, whose remainder is below the tolerance of steps of order 8
-_HALVINGS = 60  # bisections of a step, after which a place on it is known to rounding
 
 
 def interpolated(back: Dimensionless, slip: Slip[float], rtol: float) -> tuple[Any, Any]:
@@ -63,16 +61,17 @@ class Separatrix:
         """
         levels, row = np.unique(w, return_inverse=True)
         row = row.reshape(w.shape)
-        heights = self.w(self.w.x)  # w is monotone in each step
-        turns = np.flatnonzero(np.diff(np.sign(np.diff(heights)))) + 1
+        heights = self.w(self.w.x)
+        top, last = int(np.argmax(heights)), heights.size - 1
         inside = np.zeros(np.broadcast_shapes(q.shape, w.shape), dtype=bool)
         near = inside.copy()
-        for begin, end in pairwise([0, *turns.tolist(), heights.size - 1]):
+        for begin, end in ((0, top), (top, last)):  # from one minimum of w to the next it rises, then falls
             low, high = np.sort(heights[[begin, end]])
             passed = np.flatnonzero((low <= levels) & (levels < high))
             before, after = np.full(passed.size, float(begin)), np.full(passed.size, float(end))
-            for _ in range(_HALVINGS):
-                middle = (before + after) / 2
+            width = float(end - begin)
+            while width > np.spacing(1.0):  # then a place on a step is known to rounding
+                width, middle = width / 2, (before + after) / 2
                 beyond = (self.w(middle) >= levels[passed]) == (heights[end] > heights[begin])
                 before, after = np.where(beyond, before, middle), np.where(beyond, middle, after)
             crossing = np.full(levels.size, np.inf)
