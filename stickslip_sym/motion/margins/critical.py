@@ -30,7 +30,7 @@ from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.motion.roots import closest, sign_changes
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.steps import TIGHT
-from stickslip_sym.motion.thresholds.averages import slope_mean
+from stickslip_sym.motion.thresholds.averages import average, slope_mean
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, transit
 from stickslip_sym.motion.thresholds.methods import Method, ask, find_method, methods
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, of_oscillator
@@ -157,9 +157,8 @@ def critical(
     '9.959309 N'
     """
     law = as_law(law)
-    known: dict[str, Any] = dict.fromkeys(("V", "N", "m", "k", "c")) | dict(law.parameters)
-    lookup("quantity or parameter", of, known)
-    values = {"c": c, "V": V, "N": N, "m": m, "k": k}
+    values = {"V": V, "N": N, "m": m, "k": k, "c": c}
+    lookup("quantity or parameter", of, {**values, **law.parameters})
     numbers = {name: real(name, value) for name, value in values.items() if value is not None}
     if of in numbers:
         raise InputError(f"{of} is sought; leave its value out")
@@ -185,12 +184,9 @@ def excess(points: OperatingPoints, c: float, method: Method | None) -> float:
     grazing orbit, cut at -1 and 1: infinite, with its sign, where a half does not come to w = 1.
     """
     deadline.check_time()
-    if method is not None and method.criterion is not None:
-        return float(points.N[0] * slope_mean(points.law, method.criterion, points.V)[0]) - c
-    if method is not None and not method.converges:
-        found, _ = ask(points, method, SIGNS)
-        return float(found.value[0]) - c if np.isfinite(found.relative_error[0]) else math.nan
     try:
+        if method is not None and not method.converges:
+            return float(ask(points, method, SIGNS)[0].value[0]) - c
         system = Dimensionless.of(points.law, points.oscillator(0, c))
     except NO_RESULT:
         return math.nan
@@ -239,6 +235,11 @@ class _Search:
             return OperatingPoints.of(self.law, **self.quantities, **{self.of: x})
         return OperatingPoints.of(self.law.bind(**{self.of: x}), **self.quantities)
 
+    @property
+    def _usual(self) -> float:
+        """The value that a parameter has, or typically has; 0 where neither is known."""
+        return float(self.law.values.get(self.of, self.law.parameters[self.of].typical or 0))
+
     def found(self, within: FloatArray | None) -> tuple[Critical, ...]:
         """Return the critical values, ascending."""
         roots = None if self.criterion is None else self._polynomial_roots(self.criterion)
@@ -263,10 +264,9 @@ class _Search:
         harmonic average, the limit for weak friction, comes close to c.
         """
         if not self.is_quantity:
-            value = float(self.law.values.get(self.of, self.law.parameters[self.of].typical or 0))
-            if value == 0:
+            if not self._usual:
                 raise InputError(f"where to look for {self.of} is not known; give within=(low, high)")
-            return _spaced(*sorted((value / _AROUND, value * _AROUND)))
+            return _spaced(*sorted((self._usual / _AROUND, self._usual * _AROUND)))
         low, high = _WHOLE
         if self.of == "V" and self.law.v_max is not None:
             high = float(self.law.v_max) / 2  # motions slip at 2 V, and more
@@ -326,18 +326,18 @@ class _Search:
     def _polynomial_roots(self, criterion: Criterion) -> list[float] | None:
         """Return the roots of an average that is a polynomial in what is sought, or None."""
         law, N, V = self.law, self.quantities.get("N", 1.0), np.array([self.quantities.get("V", 1.0)])
+        coefficients: Any
         if self.of == "N":
-            coefficients = [0.0, float(slope_mean(law, criterion, V)[0])]
+            coefficients = [0.0, float(average(law, criterion, V)[0])]
         elif self.of == "V" and law.expr.is_polynomial(symbols.v):
             # mu = sum of g_n v^n gives c = -N sum of n g_n <(1 + s)^(n-1)> V^(n-1).
             terms = sp.Poly(sp.diff(law.expr, symbols.v), symbols.v).all_coeffs()[::-1]
             coefficients = [-N * law.number(g) * float(criterion.mean_power(n)) for n, g in enumerate(terms)]
         elif self.of in law.parameters and law.expr.is_polynomial(symbol := law.parameters[self.of].symbol):
-            part, coefficients = law.bind(**{self.of: 0}), []
-            while not coefficients or part.expr.has(symbol):  # Taylor's expansion at 0 ends
-                part = part.partial(self.of) if coefficients else part
-                mean = float(slope_mean(part, criterion, V)[0])
-                coefficients.append(N * mean / math.factorial(len(coefficients)))
+            degree = max(0, sp.degree(law.slope_expr, symbol))  # that of 0 is minus infinity
+            places = np.linspace(0.0, self._usual or 1.0, int(degree) + 1)
+            means = [N * average(law.bind(**{self.of: x}), criterion, V)[0] for x in places.tolist()]
+            coefficients = np.linalg.solve(np.vander(places, increasing=True), means)
         else:
             return None
         coefficients[0] -= self.c
