@@ -15,7 +15,7 @@ from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.core.special import Langevin, Removable
 from stickslip_sym.model.at_rest import gain
-from stickslip_sym.motion.thresholds.theorem import lipschitz_evidence
+from stickslip_sym.model.lipschitz import lipschitz_evidence
 from stickslip_sym.output import printing
 
 x = sp.Symbol("x", positive=True)

@@ -3,45 +3,31 @@
 More damping turns the field one way and moves P inwards (the chapter `one_threshold` of the derivations), so if
 the slip from P returns at one damping it does so at every smaller one. One damping at which it returns and one
 at which it does not enclose the threshold. Critical values of other quantities are enclosed by the same search.
-
-The lemma needs mu to be locally Lipschitz for v > 0. The nodes of a formula are analytic functions but for a few:
-a fraction at a zero of its denominator, a root or a logarithm where its argument is not positive, a tangent at its
-poles. So it is enough to show that each of these arguments is positive for v > 0, and that segments of mu meet
-without a jump.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from fractions import Fraction
 from functools import partial
-from itertools import pairwise
 
-import sympy as sp
-from flint import acb
-
-from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr, Rational
-from stickslip_sym.core.balls import ball, ball_function, ball_value
+from stickslip_sym.core.aliases import Rational
+from stickslip_sym.core.balls import ball_value
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold
-from stickslip_sym.core.functions import must_be_positive
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria.enclosure import Enclosure, enclosure_of
-from stickslip_sym.model.expression.pieces import branch_from, jumps
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.lipschitz import BITS_OF_SIGNS, lipschitz_evidence
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, Undecided, transit
 from stickslip_sym.output import printing
 from stickslip_sym.output.layout import prose
 from stickslip_sym.output.notation import latex_name
 
-_BITS_OF_SIGNS = 64  # of the precision with which signs are shown, and the slip without damping, far from grazing
-_MOST_CUTS = 400  # of a range on which a sign is shown
 _BITS = (40, 100, 250, 600)  # of a decision, beyond those of its distance from the threshold, until one falls
 _CURVED = 10  # the secant is off by the square of the bracket, times this
 _WIDEST = 1e-2  # of the first bracket, relative
-_speed = sp.Symbol("v", positive=True)
 
 
 @dataclass(frozen=True)
@@ -152,7 +138,7 @@ def prove_threshold(point: ExactPoint, guess: float, error: float, rtol: float) 
     undamped = None
     if found.low > 0:
         with suppress(Undecided, InputError):
-            undamped = transit(point, Fraction(0), _BITS_OF_SIGNS)
+            undamped = transit(point, Fraction(0), BITS_OF_SIGNS)
     if undamped is not None and not undamped.returns:
         raise NoThreshold("the slip returns at some damping, but not without any: the lemma does not hold here")
     below, above = search.decided[found.low], search.decided[found.high]
@@ -249,58 +235,8 @@ def checked_hypotheses(point: ExactPoint) -> tuple[tuple[str, str], ...]:
     found = ("mu is locally Lipschitz for v > 0", how)
     if law.static is None:
         return (found, ("the static coefficient is mu(0+)", "the law has no other"))
-    with working_precision(_BITS_OF_SIGNS):
+    with working_precision(BITS_OF_SIGNS):
         above = law.static - point.at_rest
         if not ball_value(above, law.point).real > 0 and above.xreplace(law.point) != 0:
             raise InputError("the static coefficient was not shown to be at least mu(0+), as a proof needs it")
     return (found, ("the static coefficient is at least mu(0+)", "by enclosing both"))
-
-
-def lipschitz_evidence(law: FrictionLaw) -> tuple[bool, str]:
-    """Return whether a bound law was shown to be locally Lipschitz for v > 0, and how, or what is against it."""
-    kinks = law.kinks()
-    for start, end in pairwise([sp.Integer(0), *kinks, law.v_max]):
-        segment = branch_from(law.expr, law.point, start)
-        for argument in _must_be_positive(segment.xreplace({symbols.v: _speed})):
-            if argument is None:
-                return False, f"mu holds a function that is not analytic, in {segment}"
-            if not _is_positive(argument.xreplace(law.point), start, end):
-                where = f"between v = {start} and {end or 'infinity'}"
-                return False, f"{argument} was not shown to be positive {where}"
-    for place, height in jumps(law.expr):
-        if height.xreplace(law.point) != 0 and sp.simplify(height) != 0:
-            return False, f"mu jumps at v = {place}"
-    if kinks:
-        return True, f"mu is analytic on {len(kinks) + 1} segments of v > 0, which meet without a jump"
-    return True, "mu is analytic for v > 0"
-
-
-def _must_be_positive(expr: Expr) -> Iterator[Expr | None]:
-    """Yield what has to be positive for an expression to be analytic; None for an unknown function."""
-    for node in sp.preorder_traversal(expr):
-        if not node.has(_speed) or node.is_Symbol:
-            continue
-        needed = must_be_positive(node)
-        if needed is None and node.is_Pow and not node.exp.has(_speed):
-            if not (node.exp.is_Integer and node.exp > 0):
-                yield node.base**2 if node.exp.is_Integer else node.base
-        else:
-            yield from (None,) if needed is None else needed
-
-
-def _is_positive(expr: Expr, start: Rational, end: Rational | None) -> bool:
-    """Whether an expression of v is shown to be positive: by its signs, or by balls on a bounded range."""
-    if expr.is_positive:
-        return True
-    if end is None:
-        return False
-    with working_precision(_BITS_OF_SIGNS):
-        function = ball_function(expr, _speed, {})
-        waiting = [(start, end)]
-        for _ in range(_MOST_CUTS):
-            if not waiting:
-                return True
-            low, high = waiting.pop()
-            if not function(acb(ball(low).real.union(ball(high).real)), False).real > 0:
-                waiting += [(low, (low + high) / 2), ((low + high) / 2, high)]
-    return False

@@ -1,0 +1,75 @@
+"""Whether the coefficient of friction is locally Lipschitz for v > 0, shown in ball arithmetic.
+
+The nodes of a formula are analytic functions but for a few: a fraction at a zero of its denominator, a root or a
+logarithm where its argument is not positive, a tangent at its poles. So it is enough to show that each of these
+arguments is positive for v > 0, and that segments of mu meet without a jump.
+"""
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import sympy as sp
+from flint import acb
+
+from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, Rational
+from stickslip_sym.core.balls import ball, ball_function
+from stickslip_sym.core.functions import must_be_positive
+from stickslip_sym.core.precision import working_precision
+from stickslip_sym.model.expression.pieces import branch_from, jumps
+from stickslip_sym.model.law import FrictionLaw
+
+BITS_OF_SIGNS = 64
+"""The precision with which a sign is shown that is far from changing."""
+_MOST_CUTS = 400  # of a range on which a sign is shown
+_speed = sp.Symbol("v", positive=True)
+
+
+def lipschitz_evidence(law: FrictionLaw) -> tuple[bool, str]:
+    """Return whether a bound law was shown to be locally Lipschitz for v > 0, and how, or what is against it."""
+    kinks = law.kinks()
+    for start, end in pairwise([sp.Integer(0), *kinks, law.v_max]):
+        segment = branch_from(law.expr, law.point, start)
+        for argument in _must_be_positive(segment.xreplace({symbols.v: _speed})):
+            if argument is None:
+                return False, f"mu holds a function that is not analytic, in {segment}"
+            if not _is_positive(argument.xreplace(law.point), start, end):
+                where = f"between v = {start} and {end or 'infinity'}"
+                return False, f"{argument} was not shown to be positive {where}"
+    for place, height in jumps(law.expr):
+        if height.xreplace(law.point) != 0 and sp.simplify(height) != 0:
+            return False, f"mu jumps at v = {place}"
+    if kinks:
+        return True, f"mu is analytic on {len(kinks) + 1} segments of v > 0, which meet without a jump"
+    return True, "mu is analytic for v > 0"
+
+
+def _must_be_positive(expr: Expr) -> Iterator[Expr | None]:
+    """Yield what has to be positive for an expression to be analytic; None for an unknown function."""
+    for node in sp.preorder_traversal(expr):
+        if not node.has(_speed) or node.is_Symbol:
+            continue
+        needed = must_be_positive(node)
+        if needed is None and node.is_Pow and not node.exp.has(_speed):
+            if not (node.exp.is_Integer and node.exp > 0):
+                yield node.base**2 if node.exp.is_Integer else node.base
+        else:
+            yield from (None,) if needed is None else needed
+
+
+def _is_positive(expr: Expr, start: Rational, end: Rational | None) -> bool:
+    """Whether an expression of v is shown to be positive: by its signs, or by balls on a bounded range."""
+    if expr.is_positive:
+        return True
+    if end is None:
+        return False
+    with working_precision(BITS_OF_SIGNS):
+        function = ball_function(expr, _speed, {})
+        waiting = [(start, end)]
+        for _ in range(_MOST_CUTS):
+            if not waiting:
+                return True
+            low, high = waiting.pop()
+            if not function(acb(ball(low).real.union(ball(high).real)), False).real > 0:
+                waiting += [(low, (low + high) / 2), ((low + high) / 2, high)]
+    return False
