@@ -32,7 +32,7 @@ from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.steps import TIGHT
 from stickslip_sym.motion.thresholds.averages import average, slope_mean
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, transit
-from stickslip_sym.motion.thresholds.methods import Method, ask, find_method, methods
+from stickslip_sym.motion.thresholds.methods import Method, accuracy, ask, find_method, methods
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, of_oscillator
 from stickslip_sym.motion.thresholds.theorem import Search, checked_hypotheses
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
@@ -78,10 +78,10 @@ class Critical:
     enclosure: Enclosure | None = None
 
     def __str__(self) -> str:
-        accuracy = "unknown" if self.relative_error is None else f"{self.relative_error:.0e}"
         unit = "" if self.unit in (None, "1") else f" {self.unit}"
         proof = "" if self.enclosure is None else ", PROVED"
-        return f"{self.of} = {self.value:.10g}{unit} ({self.method}, relative error {accuracy}{proof})"
+        error = accuracy(self.relative_error)
+        return f"{self.of} = {self.value:.10g}{unit} ({self.method}, relative error {error}{proof})"
 
     def __repr__(self) -> str:
         return f"Critical: {self}"

@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import NO_RESULT, InputError, OutOfTime, StickSlipError
-from stickslip_sym.core.numbers import real, require_type
+from stickslip_sym.core.numbers import SAME, real, require_type
 from stickslip_sym.core.uncertain import UFloat, split
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
@@ -215,9 +215,8 @@ def margins(
             above = found[len(below) :]
             rows.append(Margin(name, value, below[-1] if below else None, above[0] if above else None))
         probability, sampled = _probabilities(threshold, osc.c, carried.get("c"), samples)
-    return Margins(
-        threshold, osc.c, tuple(sorted(rows, key=lambda row: abs(row.change))), probability, sampled, refused
-    )
+    rows.sort(key=lambda row: abs(row.change))
+    return Margins(threshold, osc.c, tuple(rows), probability, sampled, refused)
 
 
 def carried_by(osc: Oscillator, errors: Mapping[str, str | UFloat]) -> dict[str, UFloat]:
@@ -233,7 +232,7 @@ def carried_by(osc: Oscillator, errors: Mapping[str, str | UFloat]) -> dict[str,
         _, read = split(given, name)
         if read is not None:
             own = getattr(osc, name)
-            if not math.isclose(read.nominal_value, own, rel_tol=1e-12):
+            if not math.isclose(read.nominal_value, own, rel_tol=SAME):
                 raise InputError(
                     f"{name} is {own:g} in the oscillator and {read.nominal_value:g} in errors; "
                     "give the same value"

@@ -11,13 +11,13 @@ from uncertainties import covariance_matrix
 
 from stickslip_sym.core.aliases import FloatArray, Numbers
 from stickslip_sym.core.errors import NO_RESULT, InputWarning
+from stickslip_sym.core.numbers import SAME
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 from stickslip_sym.output.report import Report, Rows
 
 _FAR = np.sqrt(3.0)  # standard errors; the outer nodes of the Gauss rule of three for normal errors
 _SUFFICES = 0.1  # of the first order's standard error, by which the second order's may differ
-_ROUNDING = 1e-12  # of a threshold, a standard error; a correlation; of their largest eigenvalue, another
 
 
 def standard_errors(points: OperatingPoints) -> tuple[tuple[str, ...], FloatArray]:
@@ -84,7 +84,7 @@ class Budget(Report):
             {names[i]: shaped(np.abs(s[i]) * sizes[i], shape) for i in order},
             {names[i]: shaped(shares[i], shape) for i in order},
             shaped(np.sqrt(variance), shape),
-            [pair for pair in pairs if abs(pair[2]) > _ROUNDING],
+            [pair for pair in pairs if abs(pair[2]) > SAME],
         )
 
     def _parts(self) -> list[str | Rows]:
@@ -132,7 +132,7 @@ def second_order_ratio(
     names, covariance = standard_errors(points)
     size = np.sqrt(np.diagonal(covariance))
     eigenvalues, vectors = np.linalg.eigh(covariance / np.outer(size, size))
-    kept = eigenvalues > _ROUNDING * eigenvalues.max()
+    kept = eigenvalues > SAME * eigenvalues.max()
     L = size[:, None] * vectors[:, kept] * np.sqrt(eigenvalues[kept])
 
     def slope(shift: FloatArray) -> FloatArray:
@@ -149,7 +149,7 @@ def second_order_ratio(
     first = (a**2).sum(axis=0)
     second = np.maximum(first + (h**2).sum(axis=(0, 1)) / 2 + (a * t).sum(axis=(0, 1)), 0.0)
     with np.errstate(all="ignore"):
-        return np.where(second > (_ROUNDING * value) ** 2, np.sqrt(second / first), 1.0), ""
+        return np.where(second > (SAME * value) ** 2, np.sqrt(second / first), 1.0), ""
 
 
 def warn_of_ratio(ratio: Numbers, reason: str) -> None:
