@@ -57,7 +57,7 @@ def test_needed_damping_is_that_of_collocation(law):
     assert known.sum() >= 11
     variation = np.ptp(need.at(np.linspace(0, 1, 50)))
     off = np.abs(need.at(A) - direct.d)[known]
-    assert off.max() <= 1e-9 * variation + (direct.error * direct.scale)[known].max()
+    assert off.max() <= 1e-9 * variation + (direct.relative_error * np.abs(direct.d))[known].max()
 
 
 @pytest.mark.parametrize("measured", [True, False])

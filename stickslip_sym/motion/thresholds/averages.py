@@ -16,7 +16,7 @@ from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.expression.pieces import jumps
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.orbits.expansion import averages, slopes
+from stickslip_sym.motion.orbits.expansion import slope_average
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 
 if TYPE_CHECKING:
@@ -58,7 +58,9 @@ def slope_mean(law: FrictionLaw, criterion: Criterion, V: FloatArray) -> FloatAr
         return np.zeros_like(V)
     if _has_kinks(law):
         return average(law, criterion, V)
-    return -slopes(law)(V) if criterion.weight is None else averages(law, V, criteria=[criterion])[0]
+    if criterion.weight is None:
+        return -law.at_speeds(V, derivative=True)
+    return slope_average(law, V, criterion=criterion)
 
 
 def average_changes(criterion: Criterion, points: OperatingPoints) -> dict[str, FloatArray]:

@@ -20,7 +20,7 @@ from stickslip_sym.core.numbers import lookup
 from stickslip_sym.criteria import criterion as criteria
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.orbits.expansion import averages, expand, expansion_changes, of_layer
+from stickslip_sym.motion.orbits.expansion import expand, expansion_changes, of_layer, slope_average
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.orbits.orbit import obstacle, orbits
 from stickslip_sym.motion.thresholds.averages import average, average_changes
@@ -30,11 +30,9 @@ from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 if TYPE_CHECKING:
     from stickslip_sym.motion.thresholds.theorem import Theorem
 
-_TAIL = 0.5  # part of rtol that the tail of an orbit's spectrum may have: its error is a little more than that
 _MANY = 200  # simulated thresholds, for which loading the compiled code is no loss
-_ORBIT_WORK = 3e6  # cubes of grids that collocation may take for one orbit: as much as a simulation
-_BENT = 0.8  # distortion of an orbit up to which collocation is faster than steps
-_COARSE, _RESOLVED = 32, 1e-5  # phases, and the tail that the law may have on them; nor may it pass rtol
+_BENT = 1.2  # distortion of an orbit up to which collocation is faster than steps
+_PHASES, _RESOLVED = 64, 1e-7  # of half a period on its finest grid, and the tail that the law may have on them
 _REFERENCE = 1e-9  # of a threshold that gives the error of an average, or says where a proof has to look
 
 
@@ -288,15 +286,15 @@ def _by_expansion(points: OperatingPoints, rtol: float) -> Computed:
     """
     del rtol  # the value is what it is
     weak, strength, N = points.weak, points.strength, points.N
-    (everything,) = averages(points.law, points.V)
+    everything = slope_average(points.law, points.V)
     with np.errstate(all="ignore"):  # for strong friction the expansion is no number, or a huge one
         value = N * (weak.harmonic + strength**2 * weak.second)
         # `tail` is relative to the largest slope; a layer between v = 0 and the first phase would pass unseen.
         off = [weak.tail * weak.largest, np.abs(weak.harmonic - everything)]
         resolution = sum(np.where(one == 0, 0.0, one / np.abs(weak.harmonic)) for one in off)
         scale = N * np.maximum(weak.largest, np.abs(everything))
-        layer = points.impedance * of_layer(points.law, points.V, strength, weak.sines.shape[1])
-        more = weak.distortion(strength) ** 4 * scale + layer
+        layer = points.impedance * of_layer(points.law, points.V, strength, weak.phases)
+        more = (strength * weak.overtones) ** 4 * scale + layer
         error = resolution + np.where(more == 0, 0.0, more / np.abs(value)) + ROUNDING
     return Computed(value, np.where(np.isfinite(value) & ~np.isnan(error), error, np.inf))
 
@@ -322,15 +320,14 @@ def _expansion_changes(points: OperatingPoints) -> dict[str, FloatArray]:
 
 def _orbit_cost(points: OperatingPoints, rtol: float) -> FloatArray:
     """Return less than a simulation for weak friction and a law that few phases resolve."""
-    with np.errstate(all="ignore"):
-        resolved = expand(points.law, points.V, grid=_COARSE).tail <= min(rtol, _RESOLVED)
-        return np.where(resolved & (points.weak.distortion(points.strength) <= _BENT), 2.0, 10.0)
+    resolved = expand(points.law, points.V, grids=[_PHASES]).tail <= _RESOLVED
+    return np.where(resolved & (points.strength * points.weak.overtones <= _BENT), 2.0, 10.0)
 
 
 def _by_orbit(points: OperatingPoints, rtol: float) -> Computed:
-    found = orbits(points.law, points.V, points.strength, rtol=_TAIL * rtol, most_work=_ORBIT_WORK)
+    found = orbits(points.law, points.V, points.strength, rtol=rtol)
     value, error = found.d * points.impedance, found.relative_error
-    reason = obstacle(points.law, points.V, float(found.lowest.min(initial=0.0)))
+    reason = obstacle(points.law, points.V, float(np.fmin.reduce(found.lowest, initial=0.0)))
     if reason is not None:
         refusals = dict.fromkeys(range(len(points)), _not_smooth("orbit", reason))
         return Computed(np.full_like(value, np.nan), np.full_like(error, np.inf), refusals)
