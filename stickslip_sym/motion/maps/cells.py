@@ -42,7 +42,6 @@ CURVES = {
     "exact": ("exact threshold", "-", "black"),
 }
 """The thresholds of an operating point: their names in legends, and how they are drawn."""
-_UNSURE = 1e-9  # gap of which they may not tell the sign
 
 
 class Reason(Enum):
@@ -219,7 +218,7 @@ class _Decider:
         found = np.empty((cell.size, 1))
         self.system.spread(_gaps_all, (self.eta[cell], self.zeta[cell], A), (SIGNS,), found, few=0)
         check_time()
-        unsure = np.fmin(_UNSURE, 2 * math.pi * self.error[cell])  # of weak friction all gaps are small
+        unsure = 2 * math.pi * self.error[cell]  # of weak friction all gaps are small
         gaps = found[:, 0]
         return np.where(np.abs(gaps) < unsure, math.nan, np.clip(gaps, -1.0, 1.0))
 

@@ -21,8 +21,10 @@ if TYPE_CHECKING:
 _TOGETHER = [("#56B4E9", "oo"), ("#F0E442", "////"), ("#CC79A7", "xxxx"), ("#D55E00", "++")]
 """Colours and hatching of regions with several attractors, after Okabe and Ito like those of one."""
 _LETTERS = "obx*" + "ghijklmnqrtuvwyz"
-UNBOUNDED = Region("grows without bound", "#000000", "", "^")
-UNDECIDED = Region("undecided", "#FFFFFF", "", "?")
+NO_ATTRACTOR = {
+    Motion.UNBOUNDED: Region("grows without bound", "#000000", "", "^"),
+    Motion.UNDECIDED: Region("undecided", "#FFFFFF", "", "?"),
+}
 FAILED = Region("failed", "#999999", "||", "!")
 _LOGARITHMIC = 30.0  # ratio of an axis's ends from which equal ratios are drawn as equal steps
 
@@ -41,7 +43,7 @@ def regions_of_attractors() -> dict[tuple[str, ...], Region]:
 def regions_of_motions() -> dict[Motion, Region]:
     """Return the regions of initial conditions by the motions that they lead to."""
     found = {kind.motion: kind.region._replace(name=f"comes to {kind.region.name}") for kind in ATTRACTORS}
-    return found | {Motion.UNBOUNDED: UNBOUNDED, Motion.UNDECIDED: UNDECIDED}
+    return found | NO_ATTRACTOR
 
 
 @dataclass(frozen=True, repr=False)
@@ -68,7 +70,7 @@ class CellMap(Table):
         """Return for each cell the place of its region in a list of those that occur."""
         masks = self._masks()
         kinds = list(masks)
-        index = np.full(self.motion.shape, kinds.index(UNDECIDED))
+        index = np.full(self.motion.shape, kinds.index(NO_ATTRACTOR[Motion.UNDECIDED]))
         for i, mask in enumerate(masks.values()):
             index[mask] = i
         present, places = np.unique(index, return_inverse=True)

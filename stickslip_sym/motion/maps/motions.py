@@ -15,9 +15,8 @@ from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.motion.maps.cells import CURVES, LATE, Cells, Reason, decide
-from stickslip_sym.motion.maps.drawing import FAILED, UNBOUNDED, UNDECIDED, CellMap, regions_of_attractors
+from stickslip_sym.motion.maps.drawing import FAILED, NO_ATTRACTOR, CellMap, regions_of_attractors
 from stickslip_sym.motion.maps.table import OSCILLATOR, AxisValues, read_plane
-from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Region
 from stickslip_sym.motion.workers import Progress, Workers, collect
 from stickslip_sym.output import files
@@ -95,11 +94,8 @@ class MotionMap(CellMap):
             region: np.all([exists == (name in names) for name, exists in self.attractors.items()], axis=0)
             for names, region in regions_of_attractors().items()
         }
-        return masks | {
-            UNBOUNDED: self.motion == Motion.UNBOUNDED,
-            UNDECIDED: self.motion == Motion.UNDECIDED,
-            FAILED: (self.reason == Reason.FAILED) | (self.reason == Reason.TIME),
-        }
+        masks |= {region: self.motion == one for one, region in NO_ATTRACTOR.items()}
+        return masks | {FAILED: (self.reason == Reason.FAILED) | (self.reason == Reason.TIME)}
 
 
 def motion_map(
