@@ -27,14 +27,13 @@ class OrbitSigns(NamedTuple):
     """What the slip orbits of each row do.
 
     - `cycle`, `stable`: whether there is a limit cycle in pure slip up to the belt's speed, and a stable one.
-    - `open`: row, and two amplitudes between which it is not known whether the value touches 0: beside a fold.
-    - `lost`: whether values are missing, so that cycles may be too.
+    - `open`: row, and two amplitudes between which it is not known whether the value touches 0: beside a fold, or
+      since values are missing.
     """
 
     cycle: BoolArray
     stable: BoolArray
     open: list[tuple[int, float, float]]
-    lost: BoolArray
 
 
 def orbit_signs(value: Callable[[IntArray, FloatArray], FloatArray], grows_at_rest: BoolArray) -> OrbitSigns:
@@ -47,7 +46,7 @@ def orbit_signs(value: Callable[[IntArray, FloatArray], FloatArray], grows_at_re
     places = np.broadcast_to(np.linspace(0, 1, _RANGES + 1), (rows.size, _RANGES + 1))
     values = value(np.repeat(rows, _RANGES + 1), _amplitude(places.ravel())).reshape(places.shape)
     cycle = (values[:, 0] > 0) != grows_at_rest  # smaller than all that are looked at
-    stable, lost = cycle & grows_at_rest, np.zeros(rows.size, dtype=bool)
+    stable, left_open = cycle & grows_at_rest, list[tuple[int, float, float]]()
     row, bends = np.repeat(rows, _RANGES), np.full((rows.size, _RANGES), np.inf)
     ranges = np.array([places[:, :-1], places[:, 1:], values[:, :-1], values[:, 1:], bends]).reshape(5, -1)
     for halvings in range(_MOST_HALVINGS + 1):
@@ -55,15 +54,16 @@ def orbit_signs(value: Callable[[IntArray, FloatArray], FloatArray], grows_at_re
         least, most, margin = np.minimum(at_low, at_high), np.maximum(at_low, at_high), _BENT * bend
         inside = (least <= 0) & (most >= 0)
         unsure = ~(inside | (least > margin) | (most < -margin))
-        # One value that is no number may lie at a zero; where two beside each other are, so are those between.
-        lost[row[np.isnan(at_low) & np.isnan(at_high)]] = True
         left = unsure | inside
         if halvings >= _SEARCHED:
             cycle[row[inside]] = True
             stable[row[inside & (at_low > at_high)]] = True
             left = unsure
-        left &= ~lost[row]
-        if halvings == _MOST_HALVINGS or not left.any():
+        # One value that is no number may lie at a zero; where two beside each other are, so are those between.
+        given_up = unsure if halvings == _MOST_HALVINGS else np.isnan(at_low) & np.isnan(at_high)
+        left_open += zip(row[given_up].tolist(), *_amplitude(ranges[:2, given_up]).tolist(), strict=True)
+        left &= ~np.isin(row, row[given_up])
+        if not left.any():
             break
         row, (low, high, at_low, at_high, _) = row[left], ranges[:, left]
         middle = (low + high) / 2
@@ -71,8 +71,7 @@ def orbit_signs(value: Callable[[IntArray, FloatArray], FloatArray], grows_at_re
         bend = np.abs(at_low + at_high - 2 * at_middle)
         ranges = np.hstack([[low, middle, at_low, at_middle, bend], [middle, high, at_middle, at_high, bend]])
         row = np.tile(row, 2)
-    ends = _amplitude(ranges[:2, left]).tolist()
-    return OrbitSigns(cycle, stable, list(zip(row[left].tolist(), *ends, strict=True)), lost)
+    return OrbitSigns(cycle, stable, left_open)
 
 
 def _amplitude(place: FloatArray) -> FloatArray:

@@ -156,7 +156,8 @@ class _Decider:
         returns, rest = zeta < exact, zeta > equilibrium
         held, escapes, known = self._after_return(returns)
         known &= np.isfinite(exact + equilibrium)
-        cycle, stable = self._slip_cycles(known)
+        cycle, stable, left_open = orbit_signs(self._gaps, zeta < equilibrium)
+        known[[i for i, _, _ in left_open]] = False
         signs = Signs(rest=rest, falls=stable, returns=returns & ~escapes, held=held)
         cells = Cells.unknown(zeta.size)
         motion, reason = cells.motion, cells.reason
@@ -205,13 +206,6 @@ class _Decider:
             outside = ~returns & (zeta >= 0)
             known[outside] = ends(outside, begin) == 0
         return held, escapes, known
-
-    def _slip_cycles(self, known: BoolArray) -> tuple[BoolArray, BoolArray]:
-        """Tell where there is a cycle in pure slip, and a stable one; beside a fold `known` becomes false."""
-        cycle, stable, beside_folds, lost = orbit_signs(self._gaps, self.zeta < self.equilibrium)
-        known &= ~lost
-        known[[i for i, _, _ in beside_folds]] = False
-        return cycle, stable
 
     def _gaps(self, cell: IntArray, A: FloatArray) -> FloatArray:
         """Return gaps, cut at -1 and 1, by the numbers of cells; NaN where the sign is not known."""

@@ -171,7 +171,6 @@ def motion_map(
     cells = Cells.unknown(order.size)
     for some, part in zip(rows, results, strict=True):
         cells.put(some, part or OutOfTime(LATE))
-    columns = grid[0].shape[1]
     # Where c is an axis a threshold is a curve along the other.
     curve = np.s_[:, :1] if names[0] == "c" else np.s_[:1] if names[1] == "c" else np.s_[:]
     found = MotionMap(
@@ -180,7 +179,7 @@ def motion_map(
         attractors={kind.name: row.reshape(shape) for kind, row in zip(ATTRACTORS, cells.attractors, strict=True)},
         reason=cells.reason.reshape(shape),
         thresholds={name: row.reshape(shape)[curve] for name, row in zip(CURVES, cells.thresholds, strict=True)},
-        notes={divmod(i, columns): cells.notes[i] for i in sorted(cells.notes)},
+        notes={divmod(i, shape[1]): cells.notes[i] for i in sorted(cells.notes)},
         interrupted=None in results,
     )  # fmt: skip
     if (found.reason == Reason.FAILED).all():

@@ -15,7 +15,6 @@ from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.slip import Dimensionless, Slip
 
-SeparatrixKind = Literal["limit cycle", "graze"]
 _SAMPLES = 257  # of a separatrix, in its public arrays
 _DEGREE = 12  # of the polynomials within a step, whose remainder is below the tolerance of steps of order 8
 
@@ -48,7 +47,7 @@ class Separatrix:
     oscillator : Oscillator
     """
 
-    kind: SeparatrixKind
+    kind: Literal["limit cycle", "graze"]
     q: Any
     w: Any
     onset: float
