@@ -63,7 +63,10 @@ class OperatingPoints:
             if isinstance(value, str):
                 exactly[name] = fraction(value, name)
                 value = float(exactly[name])
-            arrays[name] = _column(name, value)
+            if np.ma.is_masked(value):
+                raise InputError(f"{name} has masked entries; drop them, or fill them with a number")
+            arrays[name] = read_array(name, value).astype(np.float64, copy=False)
+            symbols.require_sign(name, float(arrays[name].min(initial=np.inf)))
             if error is not None:
                 uncertain[name] = error
         try:
@@ -143,11 +146,3 @@ def of_oscillator(osc: Oscillator, numbers: Mapping[str, Any], names: Sequence[s
     if numbers:
         raise InputError(f"{', '.join(numbers)} was given beside an Oscillator, which holds it; give one of both")
     return {name: getattr(osc, name) for name in names}
-
-
-def _column(name: str, value: ArrayLike) -> FloatArray:
-    if np.ma.is_masked(value):
-        raise InputError(f"{name} has masked entries; drop them, or fill them with a number")
-    array: FloatArray = read_array(name, value).astype(np.float64, copy=False)
-    symbols.require_sign(name, float(array.min(initial=np.inf)))
-    return array
