@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
+from functools import cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
@@ -162,6 +163,7 @@ def basin_sweep(
     axis = read_axis(law, "over", over)
     box = _limits("x0", x0), _limits("v0", v0)
 
+    @cache
     def at(value: float) -> Regime:
         return kept_regime(*placed(law, asdict(osc) | {axis.name: value}), TIGHT)
 

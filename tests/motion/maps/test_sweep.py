@@ -45,6 +45,21 @@ def test_a_fold_is_where_two_cycles_meet(tmp_path):
     assert ">share of the box of initial conditions</text>" in text
 
 
+def test_a_fold_over_another_quantity():
+    found = ss.basin_sweep(TWO, paper_oscillator(3.8), ("N", [7, 8.6, 9.5, 12]), x0=(-0.2, 0.2), v0=(-1, 1))
+    fold, graze = found.changes
+    assert (fold.kind, graze.kind) == ("fold", "graze")
+    beside = [paper_oscillator(3.8, N=fold.value * (1 + side * 1e-7)) for side in (-1, 1)]
+    assert [len(ss.limit_cycles(TWO, osc)) for osc in beside] == [0, 2]
+
+
+@pytest.mark.parametrize(("slope", "beyond"), [(0.3, 0.29), (0.2, 0.38)])
+def test_where_cycles_reach_a_kink_or_a_jump_there_is_no_fold(slope, beyond):
+    law = ss.FrictionLaw(f"Piecewise((0.5 - {slope}*v, v < 0.7), ({beyond}, True))")
+    found = ss.basin_sweep(law, paper_oscillator(), ("c", np.linspace(-1, 4, 8)), x0=(-0.2, 0.2), v0=(-1, 1))
+    assert [change.kind for change in found.changes] == ["graze", "Hopf"]
+
+
 def test_a_sweep_of_one_value_is_drawn(tmp_path):
     ss.basin_sweep(LAW, OSC, ("c", [OSC.c]), **BOX).plot(tmp_path / "one.svg")
     assert ">share of the box of initial conditions</text>" in (tmp_path / "one.svg").read_text()
