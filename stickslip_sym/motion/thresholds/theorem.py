@@ -178,6 +178,8 @@ class Search:
         while True:
             low = max(x for x, one in self.decided.items() if one.returns)
             high = min(x for x, one in self.decided.items() if not one.returns)
+            if low > high:
+                raise NotConverged(f"several changes are near the guess {self.label} = {float(abs(center)):g}")
             if high - low <= close * abs(low):
                 return Enclosure(low, high)
             # By the secant where it converges, else by halves.

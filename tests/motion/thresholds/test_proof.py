@@ -231,6 +231,16 @@ def test_no_theorem_without_a_return_undamped(monkeypatch):
         prove_threshold(point(LAWS["polynomial"]), simulated(LAWS["polynomial"]).value, 1e-8, 1e-4)
 
 
+def test_several_changes_in_one_bracket_are_refused():
+    """As a critical value may have beside it, where a threshold has none: the ends would be turned round."""
+
+    def decision(x, bits):
+        return boxes.Transit(x < 0.99 or 1 < x < 1.01, arb(0), False, arb(0), 0, bits, 0.0)
+
+    with pytest.raises(ss.NotConverged, match="several changes are near the guess a = 1"):
+        theorem.Search(decision, "a").around(1.0, 1e-3, 1e-6)
+
+
 def test_a_negative_threshold_is_proved_too():
     law, point = ss.laws.polynomial.typical(), {"V": 1.5, "N": 9.81, "m": 1, "k": 100}
     found = ss.pure_slip_damping(law, **point, method="proof", rtol=1e-9)
