@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from stickslip_sym.motion.thresholds.theorem import Theorem
 
 _MANY = 200  # simulated thresholds, for which loading the compiled code is no loss
-_BENT = 1.2  # distortion of an orbit up to which collocation is faster than steps
-_PHASES, _RESOLVED = 64, 1e-7  # of half a period, and the tail that the law may have on them for that
+_BENT = 1.5  # distortion of an orbit up to which collocation is faster than steps
+_PHASES, _RESOLVED = 64, 1e-5  # of half a period, and the tail that the law may have on them for that
 _REFERENCE = 1e-9  # of a threshold that gives the error of an average, or says where a proof has to look
 
 
