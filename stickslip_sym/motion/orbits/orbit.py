@@ -15,6 +15,7 @@ Every term with friction enters as a small one, so weak friction loses no digits
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -40,17 +41,20 @@ class Orbits:
     - `relative_error`: estimated error of d; infinite where d was not found, or is 0 but need not be.
     - `exponent`: Floquet exponent over omega, the mean of g(z) - d: the orbit is stable if it is negative.
     - `lowest`: lowest velocity z.
+    - `changes`: how d/strength changes with the law in the direction of others, a column for each of them.
     """
 
     d: FloatArray
     relative_error: FloatArray
     exponent: FloatArray
     lowest: FloatArray
+    changes: FloatArray
 
 
 def orbits(
-    law: FrictionLaw, V: ArrayLike, strength: ArrayLike, A: ArrayLike = 1.0, *, rtol: float = 1e-13
-) -> Orbits:
+    law: FrictionLaw, V: ArrayLike, strength: ArrayLike, A: ArrayLike = 1.0, *, rtol: float = 1e-13,
+    added: Sequence[FrictionLaw] = (),
+) -> Orbits:  # fmt: skip
     """Return the pure-slip orbits of given height; what is not known of one that was not found is NaN.
 
     - `law`: with all parameters bound, smooth on the speeds of the orbit.
@@ -58,13 +62,15 @@ def orbits(
     - `strength`: N/sqrt(k m) in m/s.
     - `A`: highest velocity over belt speed, at most 1.
     - `rtol`: relative error of d at which the grid is fine enough, where rounding allows.
+    - `added`: the laws of `changes`.
     """
     V, strength, A = (np.ravel(column).astype(np.float64) for column in np.broadcast_arrays(V, strength, A))
     with np.errstate(all="ignore"):  # iterates that run away are given up
         harmonic = strength * slope_average(law, V, A)
-        points = np.transpose([V, strength, A, harmonic]).tolist()
-        rows = [_solved(law, rtol, *point) for point in points]
-    return Orbits(*np.reshape(rows, (-1, 4)).T)
+        starts = [_Orbit.start(law, *point) for point in np.transpose([V, strength, A, harmonic]).tolist()]
+        rows = np.reshape([_solved(start, rtol, added) for start in starts], (-1, 4 + len(added)))
+    d, relative_error, exponent, lowest = rows[:, :4].T
+    return Orbits(d, relative_error, exponent, lowest, rows[:, 4:])
 
 
 def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0) -> str | None:
@@ -84,30 +90,27 @@ def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0) -> str | None
 # -- collocation -----------------------------------------------------------------------------------
 
 
-def _solved(law: FrictionLaw, rtol: float, V: float, strength: float, A: float, harmonic: float) -> list[float]:
-    """Solve by Newton's method, on a finer grid whenever that is done; return the row of an orbit.
-
-    - `harmonic`: its damping by harmonic balance, over sqrt(k m), from slopes at every scale.
-    """
-    orbit = _Orbit(law, V, strength, A, np.array([0, A / 2 + 0j]), harmonic, 0.0).on(_GRIDS[0])
+def _solved(orbit: "_Orbit", rtol: float, added: Sequence[FrictionLaw]) -> list[float]:
+    """Solve by Newton's method, on a finer grid whenever that is done; return the row of an orbit."""
     for _ in range(_MOST_STEPS):
         check_time()
         change, g, tail = orbit.improve()
         if not np.isfinite(change):
             break
-        d, scale = orbit.d, max(float(np.abs(g).max()), abs(harmonic))
+        d, scale = orbit.d, max(float(np.abs(g).max()), abs(orbit.harmonic))
         error, enough = scale * (tail + _ROUNDING * len(g) / _GRIDS[0]), rtol * abs(d)
         finest = len(g) == _GRIDS[-1] or tail <= _ROUNDING
         if change > _CLOSE and (finest or error <= enough or change > tail):
             continue  # until the grid sets the error; there the method converges no faster than the grid is off
         if finest or error <= enough:
-            error += orbit.unseen(harmonic)
+            error += orbit.unseen()
         if finest or error <= enough:
             relative = error / abs(d) if d else math.inf if error else 0.0
             velocity = orbit.velocity
-            return [d, relative, float(orbit.g(velocity).mean()) - d, float(velocity.min())]
+            exponent = float(orbit.g(velocity).mean()) - d
+            return [d, relative, exponent, float(velocity.min()), *orbit.changes(added)]
         orbit = orbit.on(_GRIDS[_GRIDS.index(len(g)) + 1])
-    return [np.nan, np.inf, np.nan, np.nan]
+    return [np.nan, np.inf, np.nan, np.nan] + [np.nan] * len(added)
 
 
 def _tail(size: FloatArray) -> float:
@@ -130,16 +133,23 @@ def _parts(rows: ComplexArray) -> FloatArray:
 class _Orbit:
     """An iterate: z_n for n = 0 to K (z_1 follows from A), d, and sigma = frequency - 1/frequency.
 
-    The grid has 2 (K + 1) points a period, the midpoints of cells of the phase.
+    The grid has 2 (K + 1) points a period, the midpoints of cells of the phase. The damping by harmonic balance is
+    from slopes at every scale, over sqrt(k m).
     """
 
     law: FrictionLaw
     V: float
     strength: float
     A: float
+    harmonic: float
     z: ComplexArray
     d: float
-    sigma: float
+    sigma: float = 0.0
+
+    @classmethod
+    def start(cls, law: FrictionLaw, V: float, strength: float, A: float, harmonic: float) -> "_Orbit":
+        """Return the harmonic motion on the coarsest grid."""
+        return cls(law, V, strength, A, harmonic, np.array([0, A / 2 + 0j]), harmonic).on(_GRIDS[0])
 
     @property
     def velocity(self) -> FloatArray:
@@ -154,13 +164,13 @@ class _Orbit:
         """Return the slope g of friction at velocities; an iterate may overshoot the belt."""
         return -self.strength * self.law.at_speeds(self.V * np.abs(1 - velocity), derivative=True)
 
-    def unseen(self, harmonic: float) -> float:
+    def unseen(self) -> float:
         """Return what the grid may miss of d: what it misses of that by harmonic balance, and a layer at rest."""
         theta = (np.arange(2 * len(self.z)) + 0.5) * (np.pi / len(self.z))
         seen = 2 * float((self.g(self.A * np.cos(theta)) * np.sin(theta) ** 2).mean())
         V, strength = np.array([self.V]), np.array([self.strength])
         layer = float(of_layer(self.law, V, strength, len(self.z))[0]) if self.A == 1 else 0.0
-        return abs(seen - harmonic) + layer
+        return abs(seen - self.harmonic) + layer
 
     def improve(self) -> tuple[float, FloatArray, float]:
         """Take a Newton step; return its size, g on the grid and the tail of the spectrum.
@@ -180,6 +190,14 @@ class _Orbit:
         n = np.arange(2, K + 1)
         self.z[1] = self.A / 2 - self.z[2:].real.sum() - 1j * (n * self.z[2:].imag).sum()  # z(0) = A, z'(0) = 0
         return float(np.abs(change).max()) / min(1.0, strength), g, _tail(push / strength)
+
+    def changes(self, added: Sequence[FrictionLaw]) -> list[float]:
+        """Return the derivatives of d: the equations are solved for what other slopes add to their right side."""
+        velocity, n = self.velocity, np.arange(1, len(self.z))
+        rate, speed = values(1j * np.arange(len(self.z)) * self.z), self.V * np.abs(1 - velocity)
+        pushes = [coefficients(-law.at_speeds(speed, derivative=True) * rate)[1:] / n**2 for law in added]
+        matrix, _, _ = self.equations(self.g(velocity))
+        return dgesv(matrix, _parts(np.transpose(pushes)))[2][-2].tolist() if added else []
 
     def equations(self, g: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the balance of the harmonics 1 to K: its matrix, its residual, and the sizes of its right side.

@@ -23,6 +23,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.orbits.expansion import expand, expansion_changes, of_layer, slope_average
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.orbits.orbit import obstacle, orbits
+from stickslip_sym.motion.steps import TIGHT
 from stickslip_sym.motion.thresholds.averages import average, average_changes
 from stickslip_sym.motion.thresholds.grazing import grazing_damping, grazing_sensitivity
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
@@ -339,6 +340,21 @@ def _by_orbit(points: OperatingPoints, rtol: float) -> Computed:
     return Computed(value, error, {int(far[row]): refusal for row, refusal in halves.refusals.items()})
 
 
+def _orbit_changes(points: OperatingPoints) -> dict[str, FloatArray]:
+    """Differentiate the equations of collocation; the gap of both halves where they do not give the orbit."""
+    law, N = points.law, points.N
+    found = orbits(law, points.V, points.strength, added=[law, *map(law.partial, ("V", *law.parameters))])
+    by_N, by_V, *others = found.changes.T
+    by_impedance = (found.d * points.impedance - N * by_N) / 2  # c/sqrt(k m) depends on N/sqrt(k m) alone
+    columns = {"V": N * by_V / points.V, "N": by_N}
+    columns |= {name: by_impedance / points.columns[name] for name in ("m", "k")}
+    columns |= {name: N * column for name, column in zip(law.parameters, others, strict=True)}
+    far = np.flatnonzero(~(found.relative_error <= TIGHT))
+    for name, column in _slip_changes(points.rows(far)).items():
+        columns[name][far] = column
+    return columns
+
+
 # -- the slip from P -------------------------------------------------------------------------------
 
 
@@ -381,7 +397,7 @@ _table: dict[str, Method] = {
     for method in (
         Method("second_order", _by_expansion, False, _expansion_changes, cost=1.0, smooth=True),
         Method("simulation", _by_simulation, cost=5.0, loosest=1e-3),
-        Method("orbit", _by_orbit, cost=_orbit_cost, smooth=True),
+        Method("orbit", _by_orbit, True, _orbit_changes, cost=_orbit_cost, smooth=True),
         Method("proof", _by_proof, cost=math.inf, tightest=1e-40, loosest=1e-3),
     )
 }
