@@ -12,6 +12,7 @@ velocity, since damping rotates the field of directions one way: d is a function
 the belt's speed, and d is the pure-slip threshold.
 
 Every term with friction enters as a small one, so weak friction loses no digits; nothing here knows a closed form.
+How d changes with the law follows from the matrix of Newton's method.
 """
 
 import math
@@ -107,8 +108,8 @@ def _solved(orbit: "_Orbit", rtol: float, added: Sequence[FrictionLaw]) -> list[
         if finest or error <= enough:
             relative = error / abs(d) if d else math.inf if error else 0.0
             velocity = orbit.velocity
-            exponent = float(orbit.g(velocity).mean()) - d
-            return [d, relative, exponent, float(velocity.min()), *orbit.changes(added)]
+            changes = orbit.changes(added) if added else []
+            return [d, relative, float(orbit.g(velocity).mean()) - d, float(velocity.min()), *changes]
         orbit = orbit.on(_GRIDS[_GRIDS.index(len(g)) + 1])
     return [np.nan, np.inf, np.nan, np.nan] + [np.nan] * len(added)
 
@@ -191,13 +192,13 @@ class _Orbit:
         self.z[1] = self.A / 2 - self.z[2:].real.sum() - 1j * (n * self.z[2:].imag).sum()  # z(0) = A, z'(0) = 0
         return float(np.abs(change).max()) / min(1.0, strength), g, _tail(push / strength)
 
-    def changes(self, added: Sequence[FrictionLaw]) -> list[float]:
+    def changes(self, added: Sequence[FrictionLaw]) -> FloatArray:
         """Return the derivatives of d: the equations are solved for what other slopes add to their right side."""
         velocity, n = self.velocity, np.arange(1, len(self.z))
         rate, speed = values(1j * np.arange(len(self.z)) * self.z), self.V * np.abs(1 - velocity)
         pushes = [coefficients(-law.at_speeds(speed, derivative=True) * rate)[1:] / n**2 for law in added]
         matrix, _, _ = self.equations(self.g(velocity))
-        return dgesv(matrix, _parts(np.transpose(pushes)))[2][-2].tolist() if added else []
+        return np.asarray(dgesv(matrix, _parts(np.transpose(pushes)))[2][-2])
 
     def equations(self, g: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the balance of the harmonics 1 to K: its matrix, its residual, and the sizes of its right side.
