@@ -108,7 +108,7 @@ def _solved(orbit: "_Orbit", rtol: float, added: Sequence[FrictionLaw]) -> list[
         if finest or error <= enough:
             relative = error / abs(d) if d else math.inf if error else 0.0
             velocity = orbit.velocity
-            changes = orbit.changes(added) if added else []
+            changes = orbit.changes(added) if added else ()
             return [d, relative, float(orbit.g(velocity).mean()) - d, float(velocity.min()), *changes]
         orbit = orbit.on(_GRIDS[_GRIDS.index(len(g)) + 1])
     return [np.nan, np.inf, np.nan, np.nan] + [np.nan] * len(added)
