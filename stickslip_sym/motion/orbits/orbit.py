@@ -29,7 +29,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.orbits.expansion import coefficients, of_layer, slope_average, values
 
 _GRIDS = (32, 64, 128, 192)  # points a period; finer ones take longer than a simulation
-_MOST_STEPS = 12  # of Newton's method
+_MOST_STEPS = 10  # of Newton's method
 _CLOSE = 1e-8  # a step of Newton's method after which the next would be rounding
 _ROUNDING = 4e-15  # of d, as a part of the largest slope
 
