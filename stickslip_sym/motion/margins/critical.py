@@ -185,6 +185,10 @@ def excess(points: OperatingPoints, c: float, method: Method | None) -> float:
     """
     deadline.check_time()
     try:
+        if method is not None and method.criterion is not None:
+            given = points.law, method.criterion, points.V
+            mean = float(slope_mean(*given)[0])  # it has no value where a slope overflows, as with huge exponents
+            return float(points.N[0]) * (float(average(*given)[0]) if math.isnan(mean) else mean) - c
         if method is not None and not method.converges:
             return float(ask(points, method, SIGNS)[0].value[0]) - c
         system = Dimensionless.of(points.law, points.oscillator(0, c))

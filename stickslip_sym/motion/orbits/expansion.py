@@ -138,27 +138,28 @@ def _expand(half: FloatArray) -> Expansion:
 
 
 def slope_average(
-    law: FrictionLaw, V: ArrayLike, A: ArrayLike = 1.0, *, criterion: Criterion = harmonic
+    law: FrictionLaw, V: ArrayLike, A: ArrayLike = 1.0, *, criterion: Criterion = harmonic, parts: int = 1
 ) -> FloatArray:
     """Return the average of -mu' at belt speeds V by the weight of a criterion, in s/m.
 
     Over the slip speeds V (1 - A) to V (1 + A) of a harmonic motion of velocity amplitude A V.
 
     Gauss-Legendre panels in the phase, v = V (1 - cos(theta)), halved again and again towards v = 0: a law whose
-    features lie at any part of the belt's speed down to 1e-24 of it is resolved.
+    features lie at any part of the belt's speed down to 1e-24 of it is resolved. A fall that is steep for its own
+    speed needs panels cut into more parts.
     """
     V, A = (column[:, None] for column in np.broadcast_arrays(np.asarray(V, np.float64), A))
-    theta, _ = _graded()
+    theta, _ = _graded(parts)
     fall = -law.at_speeds(V * ((1 - A) + 2 * A * np.sin(theta / 2) ** 2), derivative=True)
     # No product of matrices: threads would wait for each other longer than they work.
-    average: FloatArray = (fall * _shares(criterion)).sum(axis=1)
+    average: FloatArray = (fall * _shares(criterion, parts)).sum(axis=1)
     return average
 
 
 @lru_cache(maxsize=32)
-def _shares(criterion: Criterion) -> FloatArray:
+def _shares(criterion: Criterion, parts: int) -> FloatArray:
     """Return what each node contributes to an average."""
-    theta, weight = _graded()
+    theta, weight = _graded(parts)
     sine: FloatArray = np.sin(theta)
     p, q = sp.symbols("p q", positive=True)
     value = function_of([p, q], criterion.from_ends(p, q), "numpy")
@@ -167,10 +168,11 @@ def _shares(criterion: Criterion) -> FloatArray:
 
 
 @cache
-def _graded() -> tuple[FloatArray, FloatArray]:
-    """Return the nodes and weights of the panels."""
+def _graded(parts: int) -> tuple[FloatArray, FloatArray]:
+    """Return the nodes and weights of the panels, each cut into parts."""
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-    ends = np.pi * np.append(0.0, 2.0 ** np.arange(-_OCTAVES, 1))
+    octaves = np.append(0.0, 2.0 ** np.arange(-_OCTAVES, 1))
+    ends = np.pi * np.interp(np.arange(parts * (_OCTAVES + 1) + 1) / parts, np.arange(_OCTAVES + 2), octaves)
     half = np.diff(ends)[:, None] / 2
     return (ends[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()
 

@@ -298,7 +298,7 @@ def needed_ratio(
         )
     if how == Found.ROOT:
         return zeta, error
-    if how == Found.BEYOND:
+    if how == Found.BEYOND and math.isfinite(system.w_max):
         raise system.unmeasured(system.w_max)
     place = f"at eta = {eta:g} and V = {system.V:g} m/s"
     if how == Found.NONE:

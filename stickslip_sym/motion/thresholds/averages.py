@@ -13,6 +13,7 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
+from stickslip_sym.core.numbers import SAME
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.expression.pieces import jumps
 from stickslip_sym.model.law import FrictionLaw
@@ -21,6 +22,8 @@ from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 
 if TYPE_CHECKING:
     from stickslip_sym.formula.slope_average import SlopeAverage
+
+_MOST_PARTS = 64  # of a panel: falls within a thousandth of their own speed are resolved
 
 
 @dataclass(frozen=True)
@@ -53,14 +56,23 @@ def _has_kinks(law: FrictionLaw) -> bool:
 
 
 def slope_mean(law: FrictionLaw, criterion: Criterion, V: FloatArray) -> FloatArray:
-    """Return the same by Gauss rules where mu is smooth: nothing is made for each value of a parameter."""
+    """Return the same by Gauss rules where mu is smooth: nothing is made for each value of a parameter.
+
+    Their panels are cut in two until they agree, as where mu falls like a step at a speed above rest.
+    """
     if not law.expr.has(symbols.v):
         return np.zeros_like(V)
     if _has_kinks(law):
         return average(law, criterion, V)
     if criterion.weight is None:
         return -law.at_speeds(V, derivative=True)
-    return slope_average(law, V, criterion=criterion)
+    found, parts = slope_average(law, V, criterion=criterion), 1
+    off = np.full_like(found, np.inf)
+    while parts < _MOST_PARTS and (off > SAME * np.abs(found)).any():
+        parts *= 2
+        finer = slope_average(law, V, criterion=criterion, parts=parts)
+        found, off = finer, np.abs(finer - found)
+    return found
 
 
 def average_changes(criterion: Criterion, points: OperatingPoints) -> dict[str, FloatArray]:

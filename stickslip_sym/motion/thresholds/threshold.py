@@ -82,7 +82,7 @@ class Threshold:
         In kg/m for V, s/m for N, 1/s for m, s for k, and kg/s over its unit for a parameter of the law; floats, or
         arrays as `value` is one. It is the derivative of the value that the method gives: that of an average is
         the average of the derivative, and m and k do nothing to it; that of "second_order" is exact too. For the
-        threshold itself, by whatever method, it follows from the variational equation along the slip. The
+        threshold itself it follows from the equations of the orbit, or the variational one along the slip. The
         coefficients of measured points are no parameters.
         """
         columns = self._gradient(self.points)
