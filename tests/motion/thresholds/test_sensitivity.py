@@ -116,7 +116,7 @@ def test_averages_against_differences_of_quadratures(text, criterion):
 @pytest.mark.parametrize("criterion", ["least_squares", "harmonic"])
 @pytest.mark.parametrize("delta", [7, 60])
 def test_averages_of_a_steep_fall(delta, criterion):
-    """Stribeck's law with a large exponent falls as a step does; its average is linear in mu_s, and scales."""
+    """Stribeck's law with a large exponent falls as a step does; c is linear in mu_s - mu_m, and of degree -1 in speeds."""
     law = ss.laws.stribeck.typical(delta=delta, v_s="0.2")
     values = [
         ss.enclose(law.bind(mu_s=mu_s), criterion, V="0.8", N="9.81", digits=15).mid for mu_s in ("0.5", "1.5")
