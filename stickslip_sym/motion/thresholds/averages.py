@@ -66,12 +66,13 @@ def slope_mean(law: FrictionLaw, criterion: Criterion, V: FloatArray) -> FloatAr
         return average(law, criterion, V)
     if criterion.weight is None:
         return -law.at_speeds(V, derivative=True)
-    found, parts = slope_average(law, V, criterion=criterion), 1
-    off = np.full_like(found, np.inf)
-    while parts < _MOST_PARTS and (off > SAME * np.abs(found)).any():
+    found, again, parts = slope_average(law, V, criterion=criterion), np.arange(V.size), 1
+    while parts < _MOST_PARTS and again.size:
         parts *= 2
-        finer = slope_average(law, V, criterion=criterion, parts=parts)
-        found, off = finer, np.abs(finer - found)
+        finer = slope_average(law, V[again], criterion=criterion, parts=parts)
+        off = np.abs(finer - found[again])
+        found[again] = finer
+        again = again[off > SAME * np.abs(finer)]
     return found
 
 
