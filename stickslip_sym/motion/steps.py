@@ -173,7 +173,7 @@ def stepped(
 ) -> Any:
     """Take a step, and return q, w, w' and D at its end, and the error over the tolerance."""
     if implicit:
-        return _implicit(law, system, q, w, r, h, rtol, wedge)
+        return _implicit(law, system, q, w, h, rtol, wedge)
     return _explicit(law, system, q, w, r, h, rtol, wedge)
 
 
@@ -260,7 +260,7 @@ def _of_wedge(law: Any, system: Any, source: Any, w: float) -> tuple[float, floa
 
 
 @compilable
-def _implicit(law: Any, system: Any, q: float, w: float, r: float, h: float, rtol: float, wedge: Any) -> Any:
+def _implicit(law: Any, system: Any, q: float, w: float, h: float, rtol: float, wedge: Any) -> Any:
     """Take a step of the extrapolated linearly implicit Euler method."""
     eta, push, side, damping = system
     wanted, D, source = wedge
