@@ -27,7 +27,7 @@ import numpy as np
 from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.motion.compiled import compilable
-from stickslip_sym.motion.slip import Dimensionless, Wedge
+from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.steps import MOST_STEPS, PRECISE, TIGHT, End, follow, interval, rise_at
 
 SIGNS = 1e-11
@@ -307,8 +307,3 @@ def needed_ratio(
         f"the slip from P cannot be integrated {place}: friction is too strong, or its law too steep, for the "
         f"bound on the work; the damping ratio lies between {low:.10g} and {high:.10g}"
     )
-
-
-def by_zeta(system: Dimensionless) -> Wedge:
-    """Return the wedge by the damping ratio."""
-    return system.no_wedge._replace(linear=-2.0)

@@ -18,9 +18,8 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.regimes.regime import Regime, kept_regime
+from stickslip_sym.motion.regimes.regime import kept_regime
 from stickslip_sym.motion.simulation.simulate import read_initial_conditions
-from stickslip_sym.motion.slip import Slip
 from stickslip_sym.motion.steps import ADDED, End
 
 _MANY = 1000  # initial conditions from which on finding separatrices takes less time than following all
@@ -141,12 +140,12 @@ def followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray,
             q[left], w[left], side[left], passes=side[left] > 0, until=End.MINIMUM, rtol=rtol, workers=workers
         )
         decide(left[slips.end == End.REST], lambda: plane.at_rest)
-        decide(left[slips.end == End.HORIZON], lambda: Motion.UNDECIDED)
+        found[left[slips.end == End.HORIZON]] = Motion.UNDECIDED
         turned = slips.end == End.MINIMUM
         decide(left[turned], partial(plane.of_peaks, 1 - slips.w[turned]))
         late, lost = slips.end == End.LATE, np.isin(slips.end, (End.OUTSIDE, End.STEPS, End.FAILED))
         for rows in filter(len, [np.flatnonzero(late), *np.flatnonzero(lost)[:, None]]):
-            decide(left[rows], partial(_away, plane, slips.one(rows[0])))
+            found[left[rows]] = system.refusal(slips.one(rows[0]), rtol) or plane.beyond
         back = slips.end == End.RETURN
         stuck = back & system.sticks(slips.q)
         decide(left[stuck], lambda: plane.from_onset)
@@ -156,11 +155,3 @@ def followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray,
         begun[left], q[left], w[left], side[left] = ends, ends, 0.0, 1.0
         left = left[~again]
     return found
-
-
-def _away(plane: Regime, slip: Slip[float]) -> Motion:
-    """Return what a slip that came out of the law's table leads to, or raise what kept it from an end."""
-    refusal = plane.system.refusal(slip, plane.rtol)
-    if refusal is not None:
-        raise refusal
-    return plane.beyond

@@ -16,7 +16,7 @@ from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.model.expression.pieces import places
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.orbits.needed import PARTED, by_zeta, gap, needed_ratio
+from stickslip_sym.motion.orbits.needed import PARTED, gap, needed_ratio
 from stickslip_sym.motion.slip import Dimensionless, Wedge
 from stickslip_sym.motion.steps import TIGHT, End
 from stickslip_sym.motion.table import FrictionTable, Pieces
@@ -47,7 +47,7 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     system = Dimensionless.of(law, osc)
     zeta, error = needed_ratio(system)
     rise, eta, V, push = system.rise, system.eta, osc.V, system.push(1)
-    damped, wedge = replace(system, zeta=zeta + error), by_zeta(system)
+    damped, wedge = replace(system, zeta=zeta + error), system.no_wedge._replace(linear=-2.0)
     highest = damped.slip(0.0, 0.0, until=End.MAXIMUM).w
     near = [i for i, w in enumerate(rise.levels[:-1]) if rise.jumps[i] and abs(w - highest) <= _SAME * w]
     parted = bool(near) and abs(gap(rise, eta, zeta, push, 1.0, TIGHT, False, 0.0, tuple(wedge))[0]) > PARTED
