@@ -93,11 +93,13 @@ def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0) -> str | None
 
 def _solved(orbit: "_Orbit", rtol: float, added: Sequence[FrictionLaw]) -> list[float]:
     """Solve by Newton's method, on a finer grid whenever that is done; return the row of an orbit."""
+    longest = math.inf
     for _ in range(_MOST_STEPS):
         check_time()
         change, g, tail = orbit.improve()
-        if not np.isfinite(change):
+        if not change < longest:
             break
+        longest = 1.0  # a step as long as the orbit is high leads nowhere, but for the first
         d, scale = orbit.d, max(float(np.abs(g).max()), abs(orbit.harmonic))
         error, enough = scale * (tail + _ROUNDING * len(g) / _GRIDS[0]), rtol * abs(d)
         finest = len(g) == _GRIDS[-1] or tail <= _ROUNDING

@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from stickslip_sym.motion.thresholds.theorem import Theorem
 
 _MANY = 200  # simulated thresholds, for which loading the compiled code is no loss
-_BENT = 1.5  # distortion of an orbit up to which collocation is faster than steps
-_PHASES, _RESOLVED = 64, 1e-5  # of half a period, and the tail that the law may have on them for that
+_PHASES, _RESOLVED = 64, 3e-5  # of half a period, and the tail that the law may have on them for collocation
+_FALLS = 30.0  # by so much the tail is smaller on the finest grid of collocation, where it has to be within rtol
 _REFERENCE = 1e-9  # of a threshold that gives the error of an average, or says where a proof has to look
 
 
@@ -320,9 +320,9 @@ def _expansion_changes(points: OperatingPoints) -> dict[str, FloatArray]:
 
 
 def _orbit_cost(points: OperatingPoints, rtol: float) -> FloatArray:
-    """Return less than a simulation for weak friction and a law that few phases resolve."""
-    resolved = expand(points.law, points.V, grids=[_PHASES]).tail <= _RESOLVED
-    return np.where(resolved & (points.strength * points.weak.overtones <= _BENT), 2.0, 10.0)
+    """Return less than a simulation for a law that few phases resolve: too strong a friction shows at once."""
+    tail = expand(points.law, points.V, grids=[_PHASES]).tail
+    return np.where(tail <= min(_RESOLVED, _FALLS * rtol), 2.0, 10.0)
 
 
 def _by_orbit(points: OperatingPoints, rtol: float) -> Computed:
