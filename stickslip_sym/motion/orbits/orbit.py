@@ -93,7 +93,7 @@ def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0) -> str | None
 
 def _solved(orbit: "_Orbit", rtol: float, added: Sequence[FrictionLaw]) -> list[float]:
     """Solve by Newton's method, on a finer grid whenever that is done; return the row of an orbit."""
-    longest = math.inf
+    longest, before = math.inf, math.inf
     for _ in range(_MOST_STEPS):
         check_time()
         change, g, tail = orbit.improve()
@@ -103,8 +103,9 @@ def _solved(orbit: "_Orbit", rtol: float, added: Sequence[FrictionLaw]) -> list[
         d, scale = orbit.d, max(float(np.abs(g).max()), abs(orbit.harmonic))
         error, enough = scale * (tail + _ROUNDING * len(g) / _GRIDS[0]), rtol * abs(d)
         finest = len(g) == _GRIDS[-1] or tail <= _ROUNDING
-        if change > _CLOSE and (finest or error <= enough or change > tail):
-            continue  # until the grid sets the error; there the method converges no faster than the grid is off
+        gains, before = change < 0.1 * before, change
+        if change > _CLOSE and (finest or error <= enough or (change > tail and gains)):
+            continue  # until the grid sets the error, which shows in steps that gain less than a digit too
         if finest or error <= enough:
             error += orbit.unseen()
         if finest or error <= enough:
@@ -112,7 +113,7 @@ def _solved(orbit: "_Orbit", rtol: float, added: Sequence[FrictionLaw]) -> list[
             velocity = orbit.velocity
             changes = orbit.changes(added) if added else ()
             return [d, relative, float(orbit.g(velocity).mean()) - d, float(velocity.min()), *changes]
-        orbit = orbit.on(_GRIDS[_GRIDS.index(len(g)) + 1])
+        orbit, before = orbit.on(_GRIDS[_GRIDS.index(len(g)) + 1]), math.inf
     return [np.nan, np.inf, np.nan, np.nan] + [np.nan] * len(added)
 
 
