@@ -58,3 +58,19 @@ def test_limits_end_motions_as_they_are(law):
     for limit, outcome in (("max_steps", ss.Outcome.STEP_LIMIT), ("time_limit", ss.Outcome.TIME_LIMIT)):
         found = ss.simulate(law, paper_oscillator(1.0), **given, **{limit: 10 if limit == "max_steps" else 0})
         assert set(found.outcome) == {outcome}
+
+
+def test_a_time_limit_keeps_the_batches_that_are_done(law, monkeypatch):
+    """The time is up after the first batch: its motions are as without a limit, and all others have not begun."""
+    pytest.importorskip("numba")
+    osc = paper_oscillator(1.0)
+    x0, v0 = initial_conditions(osc, 9000, 5)
+    whole = ss.simulate(law, osc, x0=x0, v0=v0, t_end=1.0)
+    monkeypatch.setattr("stickslip_sym.motion.slip.is_late", lambda: True)
+    late = ss.simulate(law, osc, x0=x0, v0=v0, t_end=1.0)
+    left = late.outcome == ss.Outcome.TIME_LIMIT
+    assert 0 < left.argmax() < left.sum() < left.size
+    assert (late.t[left] == 0).all()
+    assert late.x[left] == pytest.approx(x0[left], abs=1e-12)
+    assert late.x[~left] == pytest.approx(whole.x[~left], abs=AGREES * osc.length)
+    assert np.array_equal(late.sticks[~left], whole.sticks[~left])
