@@ -52,7 +52,7 @@ class AverageSeries:
             raise ValueError("the integral is not the average of the term")
         try:
             prove_average(self.term, self.value, self.criterion)
-        except (BasePolynomialError, NotImplementedError) as failure:
+        except (BasePolynomialError, NotImplementedError) as failure:  # SymPy's ways to say that
             raise ValueError(f"SymPy cannot compute with the term: {type(failure).__name__}") from None
         return self.constant * self.value
 
