@@ -14,9 +14,9 @@ from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import InputError, NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
+from stickslip_sym.model.table import FARTHEST, FrictionTable, Pieces, Rise
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
 from stickslip_sym.motion.steps import MOST_STEPS, TIGHT, End, entered, follow, rate_at, stepped
-from stickslip_sym.motion.table import FARTHEST, FrictionTable, Pieces, Rise
 from stickslip_sym.motion.workers import collect
 
 

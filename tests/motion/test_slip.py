@@ -7,9 +7,9 @@ import pytest
 from motions import points
 
 import stickslip_sym as ss
+from stickslip_sym.model.table import FrictionTable
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.steps import End
-from stickslip_sym.motion.table import FrictionTable
 
 
 def systems(count, seed):

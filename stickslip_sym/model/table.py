@@ -24,7 +24,6 @@ from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.numbers import SAME
 from stickslip_sym.model.at_rest import Rising
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.steps import rise_at
 
 FARTHEST = 1e20
 """The slip speed in m/s at which a table ends at the latest: a motion that comes so far grows without bound."""
@@ -132,7 +131,11 @@ class FrictionTable:
 
     def rise(self, v: float) -> float:
         """Return mu(v) - mu(0+) at a slip speed in m/s within the table."""
-        return float(rise_at((self.pieces, 0, len(self.pieces) - 1, 0), v))
+        return float(self.values(np.array([v]))[0])
+
+    def values(self, v: FloatArray, *, derivative: bool = False) -> FloatArray:
+        """Return the rise, or the slope of mu, at an array of slip speeds in m/s within the table."""
+        return _values(self.pieces[np.searchsorted(self.pieces[:, 0], v, side="right") - 1], v, derivative)
 
     @lru_cache(maxsize=64)  # noqa: B019  # few tables live as long
     def at(self, V: float, *, arrays: bool = False) -> Rise:
@@ -148,9 +151,17 @@ class FrictionTable:
         """By how much mu rises where each segment begins."""
         jumps = [0.0]
         for kink, i in zip(self.kinks, self.firsts[1:], strict=False):
-            below, above = (self.onset + rise_at((self.pieces, j, j, j), kink) for j in (i - 1, i))
+            below, above = self.onset + _values(self.pieces[i - 1 : i + 1], np.array([kink, kink]), False)
             jumps.append(above - below if abs(above - below) > SAME * max(abs(above), abs(below)) else 0.0)
         return np.array(jumps)
+
+
+def _values(pieces: FloatArray, v: FloatArray, derivative: bool) -> FloatArray:
+    """Return polynomials, or their slopes, each at a speed."""
+    t, value = (v - pieces[..., 1]) * pieces[..., 2], np.zeros_like(v)
+    for k in range(_DEGREE, -1 + derivative, -1):
+        value = value * t + pieces[..., k + 3] * (k if derivative else 1)
+    return value * pieces[..., 2] if derivative else value
 
 
 def _segment(

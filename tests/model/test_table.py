@@ -15,8 +15,8 @@ from strategies import laws
 import stickslip_sym as ss
 from stickslip_sym.core import balls, symbols
 from stickslip_sym.model.expression.pieces import branch_from
+from stickslip_sym.model.table import FARTHEST, FrictionTable
 from stickslip_sym.motion.steps import slope_at
-from stickslip_sym.motion.table import FARTHEST, FrictionTable
 
 SLOWEST, FASTEST = 1e-9, 1e6  # belt speeds in m/s
 OFF = 1e-13  # of the rise
