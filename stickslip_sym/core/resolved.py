@@ -1,0 +1,177 @@
+"""Functions of one quantity as polynomials: every root, every extremum, and where they are not resolved.
+
+A function is sampled at the Chebyshev nodes of an interval, and the interval is halved until the last coefficients
+of its polynomial vanish (Battles, Trefethen: An extension of MATLAB to continuous functions and operators, SIAM J.
+Sci. Comput. 25, 2004). The polynomials then say what the function does between the samples too. A range begins
+parted at the arguments where the function may break; where the bound on the work leaves an interval unresolved, it
+is kept as such.
+"""
+
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from scipy.optimize import brentq
+
+from stickslip_sym.core.aliases import FloatArray
+
+_DEGREE = 16
+_TAIL = 3  # last coefficients, that must vanish
+_NOISE = 4.0  # errors of its values, by which a coefficient may be off
+_NARROWEST = 1e-11  # width of an interval over the range: it holds a jump, or the end of a stretch without value
+_FARTHEST = 1e300  # from a value, that a bisection is to see
+_REAL = 1e-3  # imaginary part of a root of a slope, of a double root that rounding has parted
+
+_NODES = -np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))  # ascending
+_COEFFICIENTS = np.linalg.inv(chebyshev.chebvander(_NODES, _DEGREE)).T
+
+Sampled = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+"""A function of many arguments: its values, infinite where it lies beyond every level and NaN where unknown, and
+their errors."""
+
+
+class Turn(NamedTuple):
+    """An argument at which a function turns, or ends: its value there, and the error of that."""
+
+    x: float
+    value: float
+    error: float
+
+
+class Piece(NamedTuple):
+    """A polynomial, by its Chebyshev coefficients, between two arguments, and its error."""
+
+    low: float
+    high: float
+    coefficients: FloatArray
+    error: float
+
+    def at(self, x: float) -> float:
+        """Return the value at an argument."""
+        place = (2 * x - self.low - self.high) / (self.high - self.low)
+        return float(chebyshev.chebval(place, self.coefficients))
+
+    @property
+    def turns(self) -> list[Turn]:
+        """Both ends, and the arguments between them at which the slope vanishes."""
+        inside = np.empty(0)
+        if np.abs(self.coefficients[1:]).sum() > self.error:
+            roots = chebyshev.chebroots(chebyshev.chebtrim(chebyshev.chebder(self.coefficients)))
+            inside = np.sort(roots.real[(np.abs(roots.imag) < _REAL) & (np.abs(roots.real) < 1)])
+        at = (self.low + self.high) / 2 + (self.high - self.low) / 2 * inside
+        return [Turn(x, self.at(x), self.error) for x in (self.low, *at.tolist(), self.high)]
+
+
+class Root(NamedTuple):
+    """Where a function takes a value, and two arguments between which it does so once, within its errors."""
+
+    x: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, eq=False)
+class Resolved:
+    """A function of one quantity between two arguments.
+
+    Attributes
+    ----------
+    pieces : tuple of Piece
+        Ascending. Two that do not touch leave a jump between them, or an interval that is not resolved.
+    unresolved : tuple of (float, float)
+        Intervals in which the function may do what its pieces do not show, ascending.
+    """
+
+    pieces: tuple[Piece, ...]
+    unresolved: tuple[tuple[float, float], ...]
+
+    def __call__(self, x: float) -> float:
+        """Return the value at an argument, or where there is no piece that at the end of the piece before."""
+        piece = self.pieces[max(bisect_right(self._lows, x) - 1, 0)]
+        return piece.at(min(max(x, piece.low), piece.high))
+
+    @cached_property
+    def _lows(self) -> list[float]:
+        return [piece.low for piece in self.pieces]
+
+    @cached_property
+    def turns(self) -> tuple[Turn, ...]:
+        """The extrema, as far as they stand out of the errors, between the first and the last.
+
+        From each to the next the function only rises, or only falls, within its errors. Ends of the range count,
+        and so do kinks and both sides of jumps.
+        """
+        found, way = list[Turn](), 0
+        turns = [turn for piece in self.pieces for turn in piece.turns]
+        if not turns:
+            return ()
+        least = most = turns[0]
+        for turn in turns:
+            least = min(least, turn, key=lambda one: one.value)
+            most = max(most, turn, key=lambda one: one.value)
+            if way >= 0 and most.value - turn.value > most.error + turn.error:
+                found.append(most)
+                least, way = turn, -1
+            elif way <= 0 and turn.value - least.value > turn.error + least.error:
+                found.append(least)
+                most, way = turn, 1
+        return (*found, least if way < 0 else most)
+
+    def roots(self, level: float = 0.0) -> list[Root]:
+        """Return where the function takes a value, ascending; a jump past it counts, and so does touching it."""
+
+        def off(x: float) -> float:
+            return min(max(self(x) - level, -_FARTHEST), _FARTHEST)
+
+        found = [Root(turn.x, turn.x, turn.x) for turn in self.turns if turn.value == level]
+        for low, high in pairwise(self.turns):
+            if min(low.value, high.value) < level < max(low.value, high.value):
+                found.append(Root(brentq(off, low.x, high.x), low.x, high.x))
+        return sorted(found)
+
+
+def resolve(function: Sampled, edges: Sequence[float], *, rtol: float, most: int) -> Resolved:
+    """Resolve a function of one quantity.
+
+    - `edges`: ascending arguments: the ends of the range, and between them where the function may break.
+    - `rtol`: of the largest value on an interval, what its polynomial may leave out; errors of values are added.
+    - `most`: how many values may be computed; what they do not resolve is listed as unresolved.
+    """
+    low, high = np.array(edges[:-1], dtype=np.float64), np.array(edges[1:], dtype=np.float64)
+    narrowest = _NARROWEST * (edges[-1] - edges[0])
+    pieces, unresolved, left = list[Piece](), list[tuple[float, float]](), most
+    while low.size and (left := left - low.size * _NODES.size) >= 0:
+        nodes = (low + high)[:, None] / 2 + (high - low)[:, None] / 2 * _NODES
+        values, errors = (column.reshape(nodes.shape) for column in function(nodes.ravel()))
+        beyond = np.isinf(values[:, 0]) & (values == values[:, :1]).all(axis=1)
+        with np.errstate(invalid="ignore"):
+            coefficients = values @ _COEFFICIENTS
+            tail = np.abs(coefficients[:, -_TAIL:]).max(axis=1)
+            error = _NOISE * errors.max(axis=1) + rtol * np.abs(values).max(axis=1)
+            fits = beyond | (tail <= error)
+        for i in np.flatnonzero(fits).tolist():
+            row, off = (values[i, :1], 0.0) if beyond[i] else (coefficients[i], error[i])
+            pieces.append(Piece(float(low[i]), float(high[i]), row, float(off)))
+        unknown = np.isnan(values).all(axis=1)
+        unresolved += zip(low[unknown].tolist(), high[unknown].tolist(), strict=True)
+        halved = ~fits & ~unknown & (high - low > narrowest)
+        middle = (low[halved] + high[halved]) / 2
+        low, high = np.concatenate((low[halved], middle)), np.concatenate((middle, high[halved]))
+    unresolved += zip(low.tolist(), high.tolist(), strict=True)
+    return Resolved(tuple(sorted(pieces, key=lambda piece: piece.low)), tuple(_joined(sorted(unresolved))))
+
+
+def _joined(intervals: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Join intervals that touch, of ascending ones."""
+    joined = intervals[:1]
+    for low, high in intervals[1:]:
+        if low <= joined[-1][1]:
+            joined[-1] = joined[-1][0], high
+        else:
+            joined.append((low, high))
+    return joined
