@@ -180,7 +180,7 @@ def _of_power(node: Expr, low: Expr, base: tuple[Expr, Expr], exponent: tuple[Ex
             raise _NoValue
         return low * expm1(node.exp * log1p(base_rise / base_low) + power_rise * sp.log(base_low))
     if base_low == 0:
-        return node - low
+        return base_rise**power - low
     if power.is_Integer and abs(power) <= _LONGEST:
         count = abs(int(power))
         terms = sp.Add(*(node.base**i * base_low ** (count - 1 - i) for i in range(count)))

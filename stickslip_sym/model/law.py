@@ -249,7 +249,7 @@ class FrictionLaw:
     @property
     def slope_expr(self) -> Expr:
         """The derivative of mu with respect to the slip speed."""
-        return _slope_of(self.expr)
+        return slope_of(self.expr)
 
     @property
     def static_expr(self) -> Expr:
@@ -487,7 +487,8 @@ class FrictionLaw:
 
 
 @lru_cache(maxsize=256)  # laws with other values share it
-def _slope_of(mu: Expr) -> Expr:
+def slope_of(mu: Expr) -> Expr:
+    """Return the derivative of a coefficient with respect to the slip speed."""
     return without_squares(sp.diff(mu, symbols.v))
 
 

@@ -8,22 +8,38 @@ Smooth, kinked, jumping, measured and static laws need no case after that.
 Near rest the polynomial is v g(v) with g through values of rise/v, so the rise keeps its digits down to v = 0; the
 first interval is the widest on which that holds for every lower speed. From there on intervals are octaves, halved
 until the last coefficients vanish.
+
+What lies between samples is not left to them. Intervals are parted at the places at which a formula varies quickly
+(`transitions`) down to their widths, and one is accepted only if balls around mu' over it hold no slope that is
+several times as steep as its polynomial's. Measured laws are polynomials already. The tables of derivatives by a
+parameter rest on samples and transitions, and the part of the first interval far below its end on samples, which
+are dense in octaves there.
+
+A table ends where mu varies too often, as a sine does for ever: a motion that comes there is refused.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from itertools import count
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial import chebyshev
+import sympy as sp
+from flint import acb, arb
+from numpy.polynomial import Polynomial, chebyshev
 
-from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray
+from stickslip_sym.core.balls import BallFunction, ball_function
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.numbers import SAME
+from stickslip_sym.core.precision import working_precision
 from stickslip_sym.model.at_rest import Rising
-from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.expression.pieces import branch_from
+from stickslip_sym.model.expression.transitions import transitions
+from stickslip_sym.model.law import FrictionLaw, slope_of
 
 FARTHEST = 1e20
 """The slip speed in m/s at which a table ends at the latest: a motion that comes so far grows without bound."""
@@ -33,14 +49,32 @@ _LOWEST = 1e-40  # m/s; a law that is singular at rest, as sqrt(v), is a straigh
 _TAIL = 1e-15  # of the last two Chebyshev coefficients, relative to the largest value: what they leave out is less
 _NOISE = 4e-15  # relative error of the first polynomial, and of mu where a rise had to be computed as a difference
 _VANISHES = 4e-16  # of the largest coefficient at rest: where mu has no slope at 0, rounding is none either
-_MOST = 10_000  # intervals
+_MOST = 512  # intervals within an octave: a table ends where there would be more
 _RESOLVED = 4  # halvings, after which what is left may be noise of a rise computed as a difference
 _NARROWEST = 1e-13  # relative width of an interval that is not halved again
 _POLE = 1e6  # a coefficient on the narrowest interval as high as that is a pole's
+_PARTED = 2.0  # widths of a transition, and distances from it, an interval is wide at most
+_STEEPER = 4.0  # times the steepest slope of a polynomial: balls are larger than what they hold
+_CUTS = 3  # halvings of the ball over an interval, to bring it closer to what it holds
+_CUTS_AT_REST = 12  # of the first interval, where mu may be singular at 0, towards 0
+_UNSEEN = 100.0  # times the level of the last coefficients: a rise of no account, however steep
+_TOGETHER = 512  # intervals that are looked at at a time, the lowest first
+_TINY = 1e-290  # a rise where floats underflow
+_BITS = 200  # working precision of balls: 1 - exp(-v) has digits down to `_LOWEST`
 
 _POWERS = np.arange(_DEGREE + 1)
 _NODES = -np.cos(np.pi * (_POWERS + 0.5) / (_DEGREE + 1))  # Chebyshev's, ascending
-_COEFFICIENTS = np.linalg.inv(chebyshev.chebvander(_NODES, _DEGREE)).T
+_POLYNOMIALS = chebyshev.chebvander(_NODES, _DEGREE)
+_COEFFICIENTS = np.linalg.inv(_POLYNOMIALS).T
+_SLOPES = _COEFFICIENTS @ np.array(
+    [chebyshev.chebval(_NODES, chebyshev.chebder(row)) for row in np.eye(_DEGREE + 1)]
+)  # from values to slopes at the nodes
+_AT_REST = np.array(
+    [
+        np.pad(Polynomial(chebyshev.cheb2poly(row))(Polynomial([-1.0, 2.0])).coef, (0, _DEGREE - k - 1))
+        for k, row in enumerate(np.eye(_DEGREE))
+    ]
+)  # from Chebyshev's polynomials of 2 t - 1 to powers of t
 _MONOMIALS = np.array([np.pad(chebyshev.cheb2poly(row), (0, _DEGREE - k)) for k, row in enumerate(np.eye(15))])
 
 Pieces = list[tuple[float, ...]] | FloatArray
@@ -78,9 +112,12 @@ class FrictionTable:
     kinks : tuple of float
         Slip speeds in m/s, above 0, at which mu or its slope may jump.
     reach : float
-        The slip speed in m/s up to which the law was measured; infinite for a formula.
+        The slip speed in m/s up to which the law was measured, or varies seldom enough for the table; infinite
+        for any other formula.
     end : float
         The slip speed in m/s up to which mu is known and has a finite value, at most `FARTHEST`.
+    limit : str
+        What ends at `reach`, and what to try.
     pieces, firsts
         As for a `Rise`, with speeds in m/s.
 
@@ -98,6 +135,7 @@ class FrictionTable:
     kinks: tuple[float, ...]
     reach: float
     end: float
+    limit: str
     pieces: FloatArray = field(repr=False)
     firsts: tuple[int, ...] = field(repr=False)
 
@@ -112,22 +150,34 @@ class FrictionTable:
         Raises `InputError` if a parameter has no value, mu(0+) or mu beside it is not finite, or the static
           coefficient is below mu(0+).
         """
-        onset, static = law.onset, law.static_value
+        onset = law.onset
+        static = onset if law.static is None else law.static_value
         reach = math.inf if law.v_max is None else float(law.v_max)
+        limit = "the law is measured up to {}; measure further, or hold the last coefficient: extrapolate=True"
         farthest = FARTHEST if upto is None else upto
-        segments = [(start, rising) for start, rising in law.rises() if start < farthest]
-        ends = [*(start for start, _ in segments[1:]), min(reach, farthest)]
+        starts = [sp.Integer(0), *law.kinks()]
+        segments = [pair for pair in zip(starts, law.rises(), strict=True) if pair[1][0] < farthest]
+        ends = [*(start for _, (start, _) in segments[1:]), min(reach, farthest)]
         parts, kinks, firsts, end = list[FloatArray](), list[float](), [0], 0.0
-        with np.errstate(all="ignore"):
-            for (start, rising), high in zip(segments, ends, strict=True):
-                part, end = _segment(rising, onset, start, high, upto is not None)
+        with np.errstate(all="ignore"), working_precision(_BITS):
+            for (kink, (start, rising)), high in zip(segments, ends, strict=True):
+                segment = _Segment(rising, onset, start, high, upto is not None)
+                if law.curve is None:
+                    segment.read(branch_from(law.expr, law.point, kink), law.point)
+                part, end = segment.tabulated()
                 if len(part):
                     parts.append(part)
                     firsts.append(firsts[-1] + len(part))
                     kinks.append(start)
+                if segment.is_rough:
+                    if upto is not None or not parts:
+                        raise NotConverged(_ROUGH.format(f"{end:.6g} m/s"))
+                    reach, limit = end, _ROUGH
                 if end < high:
                     break
-        return FrictionTable(onset, static, tuple(kinks[1:]), reach, end, np.concatenate(parts), tuple(firsts))
+        return FrictionTable(
+            onset, static, tuple(kinks[1:]), reach, end, limit, np.concatenate(parts), tuple(firsts)
+        )
 
     def rise(self, v: float) -> float:
         """Return mu(v) - mu(0+) at a slip speed in m/s within the table."""
@@ -164,51 +214,126 @@ def _values(pieces: FloatArray, v: FloatArray, derivative: bool) -> FloatArray:
     return value * pieces[..., 2] if derivative else value
 
 
-def _segment(
-    rising: Rising, onset: float, start: float, high: float, derivative: bool
-) -> tuple[FloatArray, float]:
-    """Return the pieces of a smooth segment of a law, and the speed up to which it has finite values."""
-    rest, begin = (np.empty((0, 3 + _DEGREE + 1)), start) if start else _first(rising, onset, high)
-    if begin >= high:
-        return rest, high
-    edges = begin * 2.0 ** np.arange(max(1, math.ceil(math.log2(high / begin))) + 1)
-    edges[-1] = high
-    low, upper = edges[:-1], edges[1:]
-    found = list[FloatArray]()
-    for halvings in count():
-        if not low.size:
-            break
-        if low.size > _MOST:
-            raise NotConverged(
-                f"mu is too rough to be tabulated between v = {low.min():.6g} and {upper.max():.6g} m/s: "
-                f"{low.size} polynomials of degree {_DEGREE} do not follow it; try a law that varies less"
-            )
-        values = rising(((low + upper)[:, None] + (upper - low)[:, None] * _NODES) / 2)
-        coefficients = values @ _COEFFICIENTS
-        scale = np.abs(values).max(axis=1)
-        narrow = upper - low <= _NARROWEST * upper
-        # A speed is rounded, which shows where mu is steep.
-        level = _TAIL * (scale + np.ptp(values, axis=1) * upper / (upper - low))
-        level += _NOISE * (scale + abs(onset)) if halvings >= _RESOLVED else 0.0
-        if not halvings:
-            largest = np.nanmax(np.append(0.0, scale))
-        level += _NOISE * largest if derivative else 0.0
-        fits = np.abs(coefficients[:, -2:]).max(axis=1) <= level
-        fits = np.isfinite(scale) & (fits | (narrow & (scale < _POLE * (1 + abs(onset)))))
-        lost = ~fits & (narrow | ~np.isfinite(values).any(axis=1))
-        high = float(low[lost].min(initial=high))
-        columns = low, (low + upper) / 2, 2 / (upper - low), coefficients @ _MONOMIALS
-        found.append(np.column_stack(columns)[fits])
-        halved = ~fits & ~lost & (low < high)
-        middle = (low[halved] + upper[halved]) / 2
-        low, upper = np.concatenate((low[halved], middle)), np.concatenate((middle, upper[halved]))
-    pieces = np.concatenate(found)
-    pieces = pieces[np.argsort(pieces[:, 0])]
-    return np.concatenate((rest, pieces[pieces[:, 0] < high])), high
+_ROUGH = (
+    "mu varies too often to be tabulated beyond {}, or no bound of its slope is close enough there; try a slower "
+    "belt, or a law that varies less"
+)
 
 
-def _first(rising: Rising, onset: float, high: float) -> tuple[FloatArray, float]:
+@dataclass
+class _Segment:
+    """A smooth segment of a law, from a start up to a speed, while it is tabulated.
+
+    - `derivative`: whether it is one of a derivative by a parameter.
+    - `changes`: speeds and widths at which it varies quickly, a column for each.
+    - `slopes`: mu' in several forms, as functions of balls.
+    - `is_rough`: whether it varies too often to be tabulated to its end.
+    """
+
+    rising: Rising
+    onset: float
+    start: float
+    high: float
+    derivative: bool
+    changes: FloatArray = field(default_factory=lambda: np.empty((2, 0)))
+    slopes: list[BallFunction] = field(default_factory=list)
+    is_rough: bool = False
+
+    def read(self, expr: Expr, point: Mapping[Expr, Expr]) -> None:
+        """Take from the formula of the segment where it varies quickly, and bounds of its slope."""
+        quick = transitions(expr, point)
+        self.changes = np.reshape(np.array(quick, dtype=np.float64), (len(quick), 2)).T
+        if not self.derivative:
+            self.slopes = [ball_function(slope, symbols.v, point) for slope in _slopes(expr)]
+
+    def tabulated(self) -> tuple[FloatArray, float]:
+        """Return the pieces, and the speed up to which they go."""
+        rest, begin = (np.empty((0, 3 + _DEGREE + 1)), self.start) if self.start else _first(self)
+        if begin >= self.high:
+            return rest, self.high
+        high = self.high
+        edges = begin * 2.0 ** np.arange(max(1, math.ceil(math.log2(high / begin))) + 1)
+        edges[-1] = high
+        accepted, waiting = list[FloatArray](), [(edges[:-1], edges[1:], 0)]
+        while waiting:
+            low, upper, halvings = waiting.pop()
+            low, upper = low[low < high], upper[low < high]
+            if not low.size:
+                continue
+            values = self.rising(((low + upper)[:, None] + (upper - low)[:, None] * _NODES) / 2)
+            coefficients = values @ _COEFFICIENTS
+            scale = np.abs(values).max(axis=1)
+            narrow = upper - low <= _NARROWEST * upper
+            # A speed is rounded, which shows where mu is steep.
+            level = _TAIL * (scale + np.ptp(values, axis=1) * upper / (upper - low))
+            level += _NOISE * (scale + abs(self.onset)) if halvings >= _RESOLVED else 0.0
+            if not halvings:
+                reached = np.fmax.accumulate(np.append(0.0, scale))  # up to the end of each octave
+            level += _NOISE * reached[-1] if self.derivative else 0.0
+            fits = (np.abs(coefficients[:, -2:]).max(axis=1) <= level) & ~self.hides(low, upper)
+            steepest = _STEEPER * 2 * np.abs(values @ _SLOPES).max(axis=1)
+            steepest += _UNSEEN * (level + _TAIL * reached[np.searchsorted(edges, low, side="right")]) + _TINY
+            for i in np.flatnonzero(fits & ~narrow):
+                fits[i] = self.is_sure(low[i], upper[i], steepest[i] / (upper[i] - low[i]))
+            fits = np.isfinite(scale) & (fits | (narrow & (scale < _POLE * (1 + abs(self.onset)))))
+            lost = ~fits & (narrow | ~np.isfinite(values).any(axis=1))
+            high = float(low[lost].min(initial=high))
+            columns = low, (low + upper) / 2, 2 / (upper - low), coefficients @ _MONOMIALS
+            accepted.append(np.column_stack(columns)[fits])
+            halved = ~fits & ~lost & (low < high)
+            middle = (low[halved] + upper[halved]) / 2
+            low, upper = np.concatenate((low[halved], middle)), np.concatenate((middle, upper[halved]))
+            lows = np.sort(np.concatenate([low, *(part[:, 0] for part in accepted)]))
+            octave = np.searchsorted(edges, lows, side="right")
+            crowded = (octave[_MOST:] == octave[:-_MOST]) & (lows[_MOST:] < high)
+            if crowded.any():
+                high, self.is_rough = float(lows[_MOST:][crowded][0]), True
+            order = np.argsort(low)
+            for some in np.array_split(order, 1 + order.size // _TOGETHER)[::-1]:
+                waiting.append((low[some], upper[some], halvings + 1))
+        pieces = np.concatenate(accepted)
+        pieces = pieces[np.argsort(pieces[:, 0])]
+        return np.concatenate((rest, pieces[pieces[:, 0] < high])), high
+
+    def hides(self, low: FloatArray, high: FloatArray) -> BoolArray:
+        """Whether a transition within ranges, or beside them, is narrow beside them."""
+        speed, width = self.changes
+        distance = np.maximum(np.maximum(low[:, None] - speed, speed - high[:, None]), 0.0)
+        hidden: BoolArray = ((high - low)[:, None] > _PARTED * (width + distance)).any(axis=1)
+        return hidden
+
+    def is_sure(self, low: float, high: float, steepest: float, cuts: int = _CUTS) -> bool:
+        """Whether balls show that abs(mu') is at most so steep on a range."""
+        speeds = acb(arb(low).union(arb(high)))
+        bounds = (slope(speeds, False).real.abs_upper() for slope in self.slopes)
+        if not self.slopes or any(bound.is_finite() and float(bound) <= steepest for bound in bounds):
+            return True
+        middle = (low + high) / 2
+        halves = (low, middle), (middle, high)
+        return cuts > 0 and all(self.is_sure(*half, steepest, cuts - 1) for half in halves)
+
+
+@lru_cache(maxsize=256)  # laws with other values share them
+def _slopes(expr: Expr) -> list[Expr]:
+    """Return the slope of a formula as it stands, and over one denominator, where algebraic terms cancel less."""
+    slope = slope_of(expr)
+    algebraic = [
+        term
+        for term in sp.Add.make_args(slope)
+        if all(
+            node.is_Add or node.is_Mul or (node.is_Pow and not node.exp.has(symbols.v)) or not node.args
+            for node in sp.preorder_traversal(term)
+            if node.has(symbols.v)
+        )
+    ]
+    numerator, denominator = sp.fraction(sp.together(sp.Add(*algebraic)))
+    joined = slope - sp.Add(*algebraic) + sp.expand(numerator) / denominator
+    return [slope] if joined == slope or denominator == 1 else [slope, joined]
+
+
+def _first(segment: _Segment) -> tuple[FloatArray, float]:
     """Return the piece at rest, where the rise is v g(v), as wide as it fits, and where it ends."""
+    rising, onset, high = segment.rising, segment.onset, segment.high
     widths = high * 2.0 ** -np.arange(max(1.0, math.floor(math.log2(high / _LOWEST))))[::-1]
     nodes = widths[:, None] * (1 + _NODES) / 2
     values = rising(nodes)
@@ -219,12 +344,18 @@ def _first(rising: Rising, onset: float, high: float) -> tuple[FloatArray, float
         )
     coefficients = (values / nodes) @ _COEFFICIENTS
     largest = np.abs(values / nodes).max(axis=1)
-    fits = np.abs(coefficients[:, -2:]).max(axis=1) <= _TAIL * largest
+    fits = (np.abs(coefficients[:, -2:]).max(axis=1) <= _TAIL * largest) & ~segment.hides(0 * widths, widths)
+    steepest = _STEEPER * np.abs(values @ _SLOPES).max(axis=1) * 2 / widths
     for noise in (0.0, _NOISE * abs(onset)):  # a rise that had to be computed as a difference has it
-        for i in np.flatnonzero(fits)[::-1]:
+        own = np.abs(nodes * (coefficients @ _POLYNOMIALS.T) - values) <= _NOISE * np.abs(values) + noise
+        for i in np.flatnonzero(fits & own.all(axis=1))[::-1]:
             below, there = nodes[: i + 1], values[: i + 1]
             fitted = below * chebyshev.chebval(2 * below / widths[i] - 1, coefficients[i])
-            if (np.abs(fitted - there) <= _NOISE * np.abs(there) + noise).all():
+            ends = pairwise(widths[i] * 0.5 ** np.arange(_CUTS_AT_REST + 1))
+            if (np.abs(fitted - there) <= _NOISE * np.abs(there) + noise).all() and (
+                segment.is_sure(0.0, widths[i], steepest[i], 0)
+                or all(segment.is_sure(lower, end, steepest[i]) for end, lower in ends)
+            ):
                 return _at_rest(widths[i], coefficients[i]), float(widths[i])
     straight = np.append(values[0, -1] / nodes[0, -1], np.zeros(_DEGREE))
     return _at_rest(widths[0], straight), float(widths[0])
@@ -234,8 +365,6 @@ def _at_rest(width: float, coefficients: FloatArray) -> FloatArray:
     """Return the piece from 0 on with v g(v) in powers of t = v/width, g of degree one less."""
     # In powers of 2 t - 1 first, then of t, without the last coefficient, which is rounding.
     known = np.where(np.abs(coefficients[:-1]) > _VANISHES * np.abs(coefficients).max(), coefficients[:-1], 0.0)
-    slope = np.polynomial.Polynomial(chebyshev.cheb2poly(known))(np.polynomial.Polynomial([-1, 2])).coef
-    row = np.zeros(_DEGREE + 1)
-    row[1 : slope.size + 1] = np.asarray(slope, dtype=np.float64) * width
+    row = np.append(0.0, known @ _AT_REST) * width
     row[np.abs(row) <= _VANISHES * np.abs(row).max()] = 0.0
     return np.array([[0.0, 0.0, 1 / width, *row]])

@@ -157,7 +157,10 @@ class Dimensionless:
     def of(cls, law: FrictionLaw, osc: Oscillator) -> "Dimensionless":
         """Make an oscillator with a bound law dimensionless; raises as `FrictionTable.of`."""
         osc = as_oscillator(osc)
-        return cls(osc.eta, osc.zeta, FrictionTable.of(law), osc.V)
+        system = cls(osc.eta, osc.zeta, FrictionTable.of(law), osc.V)
+        if law.v_max is None and system.w_max <= 1.0:
+            raise system.unmeasured(1.0)
+        return system
 
     @cached_property
     def rise(self) -> Rise:
@@ -166,7 +169,7 @@ class Dimensionless:
 
     @property
     def w_max(self) -> float:
-        """The slip speed up to which the law is measured; infinite for a formula."""
+        """The slip speed up to which the law is measured, or tabulated where it varies for ever; else infinite."""
         return self.table.reach / self.V
 
     @property
@@ -336,11 +339,9 @@ class Dimensionless:
             raise KeyboardInterrupt
 
     def unmeasured(self, w: float) -> InputError:
-        """Return the refusal of a slip speed beyond the last measured one."""
-        return InputError(
-            f"the motion reaches a slip speed of {w:.6g} V, the law is measured up to {self.w_max:.6g} V; "
-            "measure further, or hold the last coefficient: extrapolate=True"
-        )
+        """Return the refusal of a slip speed beyond the last one of the table."""
+        limit = self.table.limit.format(f"{self.w_max:.6g} V")
+        return InputError(f"the motion reaches a slip speed of {w:.6g} V, {limit}")
 
     def refusal(self, slip: Slip[float], rtol: float) -> StickSlipError | None:
         """Return why a slip has no answer; None where it has one, or grows without bound."""
