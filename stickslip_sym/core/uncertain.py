@@ -70,3 +70,11 @@ def with_error(value: float, error: float) -> str:
     if not error > 0 or not math.isfinite(error):
         return f"{value:.10g} +/- {error:g}"
     return f"{ufloat(value, error):.2u}".replace("+/-", " +/- ")
+
+
+def interval(low: float, high: float) -> str:
+    """Return an interval as text, with so many digits that its ends differ by two."""
+    if not (math.isfinite(low) and math.isfinite(high) and low < high):
+        return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
+    digits = max(4, min(17, math.ceil(math.log10(max(abs(low), abs(high)) / (high - low))) + 2))
+    return f"{low:.{digits}g} to {high:.{digits}g}"

@@ -19,7 +19,7 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import without_squares
 from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.core.numbers import SAME, Number, exact, read_array, real, require_type, suggestion
-from stickslip_sym.core.uncertain import UFloat, separated, spread
+from stickslip_sym.core.uncertain import UFloat, separated, spread, with_error
 from stickslip_sym.model import at_rest
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.pieces import kinks_at
@@ -478,6 +478,7 @@ class FrictionLaw:
         notes = [f"{kind}: {text}" for kind, text in about.items() if text]
         names = notation_of(self._parameters)
         values = {key: f"{float(value):g}" for key, value in self._values.items()}
+        values |= {key: with_error(error.nominal_value, error.std_dev) for key, error in self.uncertain.items()}
         rows = [
             [markup.formula(names[key]), values.get(key, ""), of.typical or "", of.unit or "", of.meaning]
             for key, of in self._parameters.items()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +15,7 @@ from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import SAME
 from stickslip_sym.model.fitting.least_squares import Minimum, Problem
-from stickslip_sym.model.fitting.result import Fit, Fits
+from stickslip_sym.model.fitting.result import NORMAL, Fit, Fits
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.laws import laws as catalogue
@@ -30,9 +31,13 @@ _LOOSE = 0.5  # relative standard error of a positive parameter that is worth a 
 _MIXED = 0.1  # part in the direction without effect, over the largest: smaller parts are not named
 _ALIKE = 0.999  # correlation of two parameters that is worth a warning
 _UNLIKELY = 1e-3  # probability of what residuals show, if what is assumed of them holds, that is worth a warning
-_CORRELATED = 2.5  # standard deviations of the correlation of white noise, above which noise is correlated
+_CORRELATED = 2.7  # standard deviations of a partial correlation of white noise, above which noise is correlated
+_LAGS = 4  # rows apart, up to which noise may be correlated: as many sweeps may be interleaved
 _FEWEST = 8  # rows, up to which no correlation stands out
 _MOST_CORRELATED = 0.95  # beyond it the rows are too few to tell noise from a trend
+_JUMPS = 1e-6  # of the largest mu, between just below and just above a place
+_BESIDE = 1e-9  # relative distance of such speeds
+_RIVAL = 9.0  # rise of chi-squared, below which the noise may have chosen between two minima
 _RISEN = 0.75  # of the largest mu: a law with mu(0) = 0 has built up friction where it first reaches this
 
 
@@ -72,8 +77,15 @@ def fit(
     Notes
     -----
     The sum of ((mu_i - mu(v_i; p)) / sigma_i)^2 is minimised by SciPy's ``least_squares``, with exact
-    derivatives, from several starts. Parameters that are declared positive stay so. Laws with
-    mu(0) = 0 are fitted only where the speeds reach below the one at which their friction has built up.
+    derivatives, from several starts. Places and frequencies are looked for on grids as fine as the measurements
+    resolve, with the parameters in which mu is linear eliminated (variable projection). Parameters that are
+    declared positive stay so. Laws with mu(0) = 0 are fitted only where the speeds reach below the one at which
+    their friction has built up. Noise that is correlated along the file or along the speed, up to four rows apart,
+    widens the standard errors; what is assumed of it is `Fit.noise`.
+
+    References
+    ----------
+    G. H. Golub and V. Pereyra, SIAM J. Numer. Anal. 10 (1973) 413: variable projection.
 
     Examples
     --------
@@ -139,35 +151,37 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
     if k == 0:
         raise InputError("it has no parameter without a value")
     if len(measured.speeds) < k or count < k + 2:
-        rows = f"{count} rows at {len(measured.speeds)} speeds"
+        rows = f"{count} rows at {len(measured.speeds)} speed{'s' * (len(measured.speeds) != 1)}"
         raise InputError(f"it has {k} free parameter{'s' * (k > 1)}, and {rows} are too few")
-    best = _best(problem)
+    best, rivals = _best(problem)
     if best is None:
         raise InputError(
             "no start converged: its values run away without an end; fix one of them, or take a simpler law"
         )
     p, chi_squared = best.p[_order(law, problem, best.p)], best.chi_squared
     values = dict(zip(names, p.tolist(), strict=True))
-    derivatives = problem.jacobian(p)
+    jumps = _jumps(problem, p)
+    smooth = np.array([name not in jumps for name in names])
+    derivatives, place = problem.jacobian(p)[:, smooth], np.flatnonzero(smooth)
     sizes = np.linalg.norm(derivatives, axis=0)
     effective = np.isfinite(sizes) & (sizes > 0)
     if not effective.all():
-        raise _undetermined(names, np.flatnonzero(~effective)[:1], sizes)
+        raise _undetermined(names, place[~effective][:1], p)
     _, singular, rows_of_v = np.linalg.svd(derivatives / sizes, full_matrices=False)
-    if singular[-1] <= _SINGULAR * singular[0]:
+    if smooth.any() and singular[-1] <= _SINGULAR * singular[0]:
         part = np.abs(rows_of_v[-1])
-        raise _undetermined(names, np.flatnonzero(part > _MIXED * part.max()), sizes * p)
+        strength = np.zeros(k)
+        strength[smooth] = sizes * p[smooth]
+        raise _undetermined(names, place[part > _MIXED * part.max()], strength)
     _require_rise(law.bind(**values), measured)
-    correlation = _correlation(problem.residuals(p), measured, k)
-    inflation = (1 + correlation) / (1 - correlation)
+    noise = _noise_of(problem.residuals(p), measured, k)
+    inflation = noise.inflation
     dof = max(count / inflation - k, 1.0)
     root = rows_of_v.T / singular / sizes[:, None]  # of (J^T J)^-1
-    covariance = (inflation if measured.sigma is not None else chi_squared / dof) * (root @ root.T)
-    errors = np.sqrt(np.diag(covariance))
-    for i in np.flatnonzero(~problem.linear & (errors > _NOTHING * np.abs(p))):
-        alike = np.abs(covariance[i]) > _ALIKE * errors[i] * errors
-        raise _undetermined(names, np.flatnonzero(alike), p / errors)
-    return Fit(
+    covariance = np.zeros((k, k))
+    covariance[np.ix_(smooth, smooth)] = inflation * (root @ root.T)
+    covariance *= 1 if measured.sigma is not None else chi_squared / dof / inflation
+    fitted = Fit(
         free_law=law,
         values=values,
         covariance=covariance,
@@ -175,12 +189,27 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
         chi_squared=chi_squared,
         dof=dof,
         inflation=inflation,
-        warnings=tuple(_warnings(problem, p, covariance, correlation, chi_squared)),
+        noise=noise.assumed(known=measured.sigma is not None),
+        jumps=jumps,
     )
+    for i in np.flatnonzero(~smooth):  # without a derivative: as wide as the interval of a normal distribution
+        low, high = fitted.confidence()[names[i]]
+        if not np.isfinite(high - low):
+            raise _undetermined(names, np.array([i]), p)
+        covariance[i, i] = ((high - low) / 2 / NORMAL) ** 2
+    errors = np.sqrt(np.diag(covariance))
+    for i in np.flatnonzero(smooth & ~problem.linear & (errors > _NOTHING * np.abs(p))):
+        alike = np.abs(covariance[i]) > _ALIKE * errors[i] * errors
+        raise _undetermined(names, np.flatnonzero(alike), p / np.maximum(errors, np.finfo(float).tiny))
+    warned = [*_warnings(problem, p, covariance, noise, chi_squared), *_rivals(fitted, rivals)]
+    return replace(fitted, warnings=tuple(warned))
 
 
-def _best(problem: Problem) -> Minimum | None:
-    """Return the least of the minima that several starts lead to; of many rows, those of means of bins."""
+def _best(problem: Problem) -> tuple[Minimum | None, list[tuple[int, Minimum]]]:
+    """Return the least of the minima that several starts lead to, and other minima in a place or a frequency.
+
+    Those of many rows are sought for means of bins.
+    """
     measured, coarse = problem.measured, problem
     if len(measured) > _MANY:
         means = measured.binned(_BINS)  # whose own scatter is no sigma
@@ -190,7 +219,43 @@ def _best(problem: Problem) -> Minimum | None:
         if best is not None and abs(minimum.chi_squared - best.chi_squared) <= _SAME * best.chi_squared:
             break
         best = min(best or minimum, minimum, key=lambda one: one.chi_squared)
-    return best if coarse is problem or best is None else problem.minimum(best.p)
+    if best is None:
+        return None, []
+    rivals = list(coarse.rivals(best.p))
+    if coarse is not problem:
+        best = problem.minimum(best.p)
+        refined = [(i, problem.minimum(one.p)) for i, one in rivals]
+        rivals = [(i, minimum) for i, minimum in refined if minimum is not None]
+    return best, rivals
+
+
+def _jumps(problem: Problem, p: FloatArray) -> tuple[str, ...]:
+    """Return the parameters that are places of jumps of mu, which no derivative sees."""
+    law = problem.law.bind(**dict(zip(problem.names, p.tolist(), strict=True)))
+    names = []
+    for feature in problem.features:
+        place = problem.measured_at(feature, p)
+        if feature.breaks and place > 0:
+            below, at, above = law.at_speeds(place * np.array([1 - _BESIDE, 1, 1 + _BESIDE]))
+            if abs(above - below) > _JUMPS * max(abs(at), abs(above), abs(below)):
+                if not feature.alone:
+                    raise InputError(
+                        "mu jumps at a place that several free parameters move; fix all but one of them"
+                    )
+                names.append(problem.names[feature.moved])
+    return tuple(names)
+
+
+def _rivals(fitted: Fit, rivals: list[tuple[int, Minimum]]) -> Iterator[str]:
+    """Yield which other places and frequencies describe the measurements nearly as well."""
+    for i, minimum in rivals:
+        name, rise = list(fitted.values)[i], (minimum.chi_squared - fitted.chi_squared) / fitted.variance
+        if rise < _RIVAL:
+            yield (
+                f"{name} = {minimum.p[i]:.4g} describes the measurements nearly as well as "
+                f"{fitted.values[name]:.4g}: standard errors hold for one of them; measure at more speeds, or "
+                f"fix it: law.bind({name}=...)"
+            )
 
 
 def _order(law: FrictionLaw, problem: Problem, p: FloatArray) -> list[int]:
@@ -210,17 +275,56 @@ def _order(law: FrictionLaw, problem: Problem, p: FloatArray) -> list[int]:
     return order
 
 
-def _correlation(residuals: FloatArray, measured: Measurements, k: int) -> float:
-    """Return the correlation of residuals from row to row of the file, 0 where white noise would show as much."""
-    count = len(residuals)
+class _Noise(NamedTuple):
+    """How noise is correlated: how many rows count as one, how far apart in which order, and that of the file."""
+
+    inflation: float = 1.0
+    correlation: float = 0.0
+    lag: int = 0
+    order: str = ""
+    along_the_file: float = 1.0
+
+    def assumed(self, *, known: bool) -> str:
+        """Return what is assumed of the noise."""
+        size = "of the standard deviations sigma" if known else "of one standard deviation, estimated"
+        if not self.lag:
+            return f"noise is taken as independent from row to row, {size}"
+        return f"noise is taken as correlated {self.order}, {self.inflation:.2g} rows counting as one, {size}"
+
+
+def _noise_of(residuals: FloatArray, measured: Measurements, k: int) -> _Noise:
+    """Return how residuals are correlated along the file and along the speed: the stronger of the two."""
     rounding = SAME * np.max(np.abs(measured.weights * measured.mu))
-    if measured.order is None or count <= _FEWEST or np.max(np.abs(residuals)) <= rounding:
-        return 0.0
-    e = residuals[np.argsort(measured.order)]
-    lagged = float(np.sum(e[1:] * e[:-1]) / np.sum(e**2))
-    # The k parameters follow part of the noise, which so seems less correlated by about (k + 3 r)/n.
-    corrected, deviation = (lagged * count + k) / (count - 3), np.sqrt(count) / (count - 3)
-    return 0.0 if corrected <= _CORRELATED * deviation else min(corrected, _MOST_CORRELATED)
+    if len(residuals) <= _FEWEST or np.max(np.abs(residuals)) <= rounding:
+        return _Noise()
+    along_speed = _Noise(*_correlation(residuals, k), "along the speed")
+    if measured.order is None:
+        return along_speed
+    along_file = _Noise(*_correlation(residuals[np.argsort(measured.order)], k), "along the file")
+    stronger = along_file if along_file.inflation >= along_speed.inflation else along_speed
+    return stronger._replace(along_the_file=along_file.inflation)
+
+
+def _correlation(e: FloatArray, k: int) -> tuple[float, float, int]:
+    """Return how many residuals in a row count as one, and the partial correlation that says so, with its lag.
+
+    The noise is autoregressive, of the order up to four, with a partial correlation that white noise would not
+    show, that leaves the fewest. By Levinson's and Durbin's recursion; 1, 0 and 0 if there is none.
+    """
+    count, found = len(e), (1.0, 0.0, 0)
+    deviation = np.sqrt(count) / (count - 3)
+    weights, left, r = np.zeros(0), 1.0, np.zeros(0)
+    for lag in range(1, min(_LAGS, count // 4) + 1):
+        # The k parameters follow part of the noise, which so seems less correlated by about (k + 3 r)/n.
+        r = np.append(r, (float(np.sum(e[lag:] * e[:-lag]) / np.sum(e**2)) * count + k) / (count - 3))
+        partial = float(np.clip((r[-1] - weights @ r[-2::-1]) / left, -_MOST_CORRELATED, _MOST_CORRELATED))
+        weights = np.append(weights - partial * weights[::-1], partial)
+        left *= 1 - partial**2
+        gain = max(1 - float(weights.sum()), 1 - _MOST_CORRELATED)
+        inflation = min(left / gain**2, (1 + _MOST_CORRELATED) / (1 - _MOST_CORRELATED))
+        if partial > _CORRELATED * deviation and inflation > found[0]:
+            found = inflation, partial, lag
+    return found
 
 
 def _require_rise(law: FrictionLaw, measured: Measurements) -> None:
@@ -247,7 +351,7 @@ def _undetermined(names: tuple[str, ...], which: IntArray, strength: FloatArray)
 
 
 def _warnings(
-    problem: Problem, p: FloatArray, covariance: FloatArray, correlation: float, chi_squared: float
+    problem: Problem, p: FloatArray, covariance: FloatArray, noise: _Noise, chi_squared: float
 ) -> Iterator[str]:
     """Yield what the measurements hardly determine, and what their residuals contradict, with what to do."""
     names, errors, measured = problem.names, np.sqrt(np.diag(covariance)), problem.measured
@@ -268,10 +372,11 @@ def _warnings(
                 f"{names[i]} and {names[j]} are hardly distinguished, correlation {alike:.4f}; fix one: "
                 f"law.bind({names[j]}=...)"
             )
-    count, dof, inflation = len(measured), len(measured) - len(names), (1 + correlation) / (1 - correlation)
-    if correlation:
+    count, dof, inflation = len(measured), len(measured) - len(names), noise.inflation
+    if noise.lag:
+        apart = "successive rows" if noise.lag == 1 else f"rows {noise.lag} apart"
         yield (
-            f"residuals of successive rows of the file are correlated, {correlation:.2f}: {count} rows count as "
+            f"residuals of {apart} {noise.order} are correlated, {noise.correlation:.2f}: {count} rows count as "
             f"{count / inflation:.0f}, and standard errors are {np.sqrt(inflation):.2g} times as wide; noise is "
             "slow, or the law does not describe the measurements"
         )
@@ -294,7 +399,8 @@ def _warnings(
     repeats, shapes = count - len(means_of_speeds), len(means_of_speeds) - len(names)
     if repeats > 0 and shapes > 0 and scatter > 0:
         ratio = (chi_squared - scatter) / shapes / (scatter / repeats)
-        if fdtrc(shapes, repeats, ratio / inflation) <= _UNLIKELY:
+        # Along the speed, a law that does not describe them is what correlates the residuals.
+        if fdtrc(shapes, repeats, ratio / noise.along_the_file) <= _UNLIKELY:
             yield (
                 f"the law does not describe the measurements: {size}, and repeats at one speed scatter by "
                 f"{np.sqrt(scatter / repeats):.2g}; take another law"

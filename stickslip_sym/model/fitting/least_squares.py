@@ -1,6 +1,6 @@
 """The least squares of a friction law and measurements, by SciPy's `least_squares` with exact derivatives."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +12,7 @@ from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.model.at_rest import reals
 from stickslip_sym.model.expression.units import parse_unit
+from stickslip_sym.model.fitting.features import PHASES, Feature, features_of
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
 
@@ -23,10 +24,17 @@ _LARGEST_LOGARITHM = 690.0  # of a positive value, short of overflow
 _STEEPEST = 1e100  # largest derivative of a residual: its square and sums of such are finite
 
 _SEED = 1785
-_TRIALS = 40  # for each parameter in which mu is not linear
+_TRIALS = 40  # for each parameter in which mu is not linear; half of them where each has grids
 _BEYOND = 3.0  # factor above the largest and below the smallest measured speed, between which speeds are tried
 _EXPONENTS = 0.2, 4.0  # the range of pure numbers that are tried
 _APART = 0.7  # natural logarithms by which some value differs between two starts
+_APART_ON_A_GRID = 0.01  # the same, of a place or a frequency, beside which another minimum may be
+_FEWEST_TRIALS = 4  # of places and frequencies, each from another begin of the others
+_RIDGE = 1e-10  # of scaled normal equations, where two columns are one
+_BATCH = 500_000  # residuals of a grid that are computed at a time
+_NEAR = 60  # gaps between speeds on either side, among which a place is looked for again
+_BETTER = 1e-9  # relative fall of a sum of squares that is worth another descent
+_BEST_OF_GRID = 2  # neighbours, each with the same wave half a turn on, which bounds of its height may ask for
 
 
 class Minimum(NamedTuple):
@@ -53,11 +61,15 @@ class Problem:
         for symbol, slope in zip(free, slopes, strict=True):
             if slope != 0 and not slope.has(symbol, *linear):  # it is 0 for the place of a jump
                 linear.append(symbol)
-        self._known = [float(law.values[name]) for name in known]
+        basis = [slope for symbol, slope in zip(free, slopes, strict=True) if symbol in linear]
+        self._basis = function_of([symbols.v, *free, *bound], basis, "numpy")
+        self.known = [float(law.values[name]) for name in known]
         self.positive = np.array([used[name].positive for name in self.names], dtype=bool)
         self.linear = np.array([symbol in linear for symbol in free], dtype=bool)
         self._units = [used[name].unit for name in self.names]
         self._v, self._weights = np.maximum(measured.v, _AT_REST), measured.weights
+        self.sought = np.flatnonzero(~self.linear).tolist()
+        self.features = features_of(law.expr, free, bound, self.sought, measured.speeds)
 
     def residuals(self, p: FloatArray) -> FloatArray:
         """Return the measured less the fitted coefficients, times the weights; NaN where mu is not real."""
@@ -67,13 +79,17 @@ class Problem:
         """Return the derivatives of the fitted coefficients to the parameters, times the weights: shape (n, k)."""
         return self._weighted(self._derivatives, p).T
 
-    def _weighted(self, function: Callable[..., Any], p: FloatArray) -> FloatArray:
+    def _weighted(self, function: Callable[..., Any], p: Sequence[FloatArray] | FloatArray) -> FloatArray:
         with np.errstate(all="ignore"):
-            values = function(self._v, *p, *self._known)
-            return np.array([self._weights * reals(np.broadcast_to(one, self._v.shape)) for one in values])
+            shape = np.broadcast_shapes(self._v.shape, *map(np.shape, p))
+            grids = (
+                p if len(shape) == 1 else [np.broadcast_to(one, shape) for one in p]
+            )  # conditions have one shape
+            values = function(np.broadcast_to(self._v, shape), *grids, *self.known)
+            return np.array([self._weights * reals(np.broadcast_to(one, shape)) for one in values])
 
     def minimum(self, start: FloatArray) -> Minimum | None:
-        """Return the minimum that a start leads to; None if it does not converge."""
+        """Return the minimum that a start leads to, kinks and jumps in the best gap near; None without one."""
         logarithmic = self.positive & ~self.linear  # their bound 0 is no law's value: their logarithms are varied
         highest = np.where(logarithmic, _LARGEST_LOGARITHM, np.inf)
         lowest = np.where(self.positive & self.linear, 0.0, -highest)
@@ -103,44 +119,120 @@ class Problem:
                 return None
             p = values(result.x)
         chi_squared = float(np.sum(self.residuals(p) ** 2))
-        return Minimum(p, chi_squared) if np.isfinite(chi_squared) else None
+        if not np.isfinite(chi_squared):
+            return None
+        for feature in self.features:
+            if feature.breaks:
+                moved = self._moved(p, feature, self.levels_near(feature, p))
+                if np.sum(self.residuals(moved) ** 2) < (1 - _BETTER) * chi_squared:
+                    return self.minimum(moved)
+        return Minimum(p, chi_squared)
+
+    def measured_at(self, feature: Feature, p: FloatArray) -> float:
+        """Return the place in m/s, or the radians, of a feature."""
+        with np.errstate(all="ignore"):
+            return float(feature.measure(*p, *self.known))
+
+    def levels_near(self, feature: Feature, p: FloatArray) -> FloatArray:
+        """Return the middles of the gaps between speeds that are next to a place."""
+        speeds = self.measured.speeds[self.measured.speeds > 0]
+        gap = int(np.searchsorted(speeds, self.measured_at(feature, p)))
+        near = speeds[max(gap - _NEAR, 0) : gap + _NEAR]
+        return (near[1:] + near[:-1]) / 2
+
+    def _moved(self, p: FloatArray, feature: Feature, levels: FloatArray) -> FloatArray:
+        """Return values with a feature at the best of some levels, all but the linear ones kept."""
+        points = feature.grid(p, self.known, levels)
+        if not len(points):
+            return p
+        best = points[np.argsort(self._misfits(points), kind="stable")[:_BEST_OF_GRID]]
+        for i, rate in feature.phases:
+            turned = best.copy()
+            turned[:, i] *= 1 + np.pi / (turned[:, i] * [abs(float(rate(*one, *self.known))) for one in best])
+            best = np.concatenate([best, turned])
+        tried = [self._with_linear(one) for one in best]
+        return min(tried, key=lambda one: np.nan_to_num(np.sum(self.residuals(one) ** 2), nan=np.inf))
+
+    def _misfits(self, points: FloatArray) -> FloatArray:
+        """Return the sum of squares at each of many values, least over the linear ones of any sign."""
+        size, misfits = max(1, _BATCH // len(self._v)), list[FloatArray]()
+        for first in range(0, len(points), size):
+            columns = list(np.where(self.linear, 0.0, points[first : first + size]).T[:, :, None])
+            target = self._weights * self.measured.mu - self._weighted(self._value, columns)[0]
+            left = np.sum(target**2, axis=1)
+            if self.linear.any():
+                matrix = np.nan_to_num(self._weighted(self._basis, columns).transpose(1, 2, 0))
+                matrix = matrix / np.maximum(np.linalg.norm(matrix, axis=1, keepdims=True), 1e-300)
+                moments = np.einsum("gnk,gn->gk", matrix, np.nan_to_num(target))
+                normal = matrix.transpose(0, 2, 1) @ matrix + _RIDGE * np.eye(matrix.shape[2])
+                left = left - np.sum(moments * np.linalg.solve(normal, moments[:, :, None])[:, :, 0], axis=1)
+            misfits.append(np.nan_to_num(left, nan=np.inf))
+        return np.concatenate(misfits)
+
+    def rivals(self, best: FloatArray) -> Iterator[tuple[int, Minimum]]:
+        """Yield the least minimum away from each wave and smooth place, with the parameter that it differs in."""
+        for feature in self.features:
+            points = feature.grid(best, self.known, feature.levels)
+            if feature.breaks or len(points) < 2:
+                continue
+            block = len(PHASES) ** len(feature.phases)
+            misfits = self._misfits(points).reshape(-1, block)
+            least, level = misfits.min(axis=1), self.measured_at(feature, best)
+            here = int(np.argmin([abs(self.measured_at(feature, one) - level) for one in points[::block]]))
+            low = high = here
+            while low > 0 and least[low - 1] >= least[low]:
+                low -= 1
+            while high < len(least) - 1 and least[high + 1] >= least[high]:
+                high += 1
+            outside = np.r_[0:low, high + 1 : len(least)]
+            if len(outside):
+                row = int(outside[np.argmin(least[outside])])
+                found = self.minimum(self._with_linear(points[row * block + int(np.argmin(misfits[row]))]))
+                i = feature.moved
+                if found is not None and abs(np.log(found.p[i] / best[i])) > _APART_ON_A_GRID:
+                    yield i, found
 
     def starts(self, count: int) -> list[FloatArray]:
         """Return up to `count` starts that differ, the best of random trials first."""
         rng = np.random.default_rng(_SEED)
-        sought = np.flatnonzero(~self.linear)
-        powers = [_power_of_speed(self._units[i]) for i in sought]
+        moved = {i for feature in self.features for i in (feature.moved, *dict(feature.phases))}
+        drawn = [i for i in self.sought if i not in moved]
+        powers = [_power_of_speed(self._units[i]) for i in self.sought]
         above = self._v[self._v > _AT_REST]
         speeds = (above.min() / _BEYOND, above.max() * _BEYOND) if len(above) else (0.1, 1.0)
         tried: list[Minimum] = []
-        for _ in range(_TRIALS * len(sought) if len(sought) else 1):
+        trials = _TRIALS * len(drawn) // (2 if self.features else 1)
+        for _ in range(max(trials, _FEWEST_TRIALS if len(self.features) > 1 else 1)):
             p: FloatArray = np.zeros(len(self.names))
-            for i, known in zip(sought, powers, strict=True):
+            for i, known in zip(self.sought, powers, strict=True):
                 sign = 1 if self.positive[i] else int(rng.choice([-1, 1]))
                 power = int(rng.choice([-1, 0, 1])) if known is None else known
-                drawn = float(np.exp(rng.uniform(*np.log(speeds if power else _EXPONENTS))))
-                p[i] = sign * drawn ** (power or 1)
+                size = float(np.exp(rng.uniform(*np.log(speeds if power else _EXPONENTS))))
+                p[i] = sign * size ** (power or 1)
+            for feature in (self.features * 2)[: -1 if len(self.features) == 1 else None]:
+                p = self._moved(p, feature, feature.levels)
             p = self._with_linear(p)
             misfit = float(np.sum(self.residuals(p) ** 2))
             if np.isfinite(misfit):
                 tried.append(Minimum(p, misfit))
+        apart = np.where([i in moved for i in self.sought], _APART_ON_A_GRID, _APART)
         chosen: list[FloatArray] = []
         for p, _ in sorted(tried, key=lambda trial: trial.chi_squared):
             with np.errstate(divide="ignore", invalid="ignore"):
-                near = [(np.abs(np.log(p[sought] / other[sought])) <= _APART).all() for other in chosen]
+                near = [(np.abs(np.log(p[self.sought] / other[self.sought])) <= apart).all() for other in chosen]
             if len(chosen) < count and not any(near):
                 chosen.append(p)
         return chosen
 
     def _with_linear(self, p: FloatArray) -> FloatArray:
         """Return the values with the best of those in which mu is linear, not below 0 where they are positive."""
+        p = np.where(self.linear, 0.0, p)
         target, matrix = self.residuals(p), self.jacobian(p)[:, self.linear]
         if not (np.isfinite(target).all() and np.isfinite(matrix).all()):
             return np.full_like(p, np.nan)
         if self.linear.any():
             sizes = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
             lowest = np.where(self.positive[self.linear], 0.0, -np.inf)
-            p = p.copy()
             p[self.linear] = lsq_linear(matrix / sizes, target, bounds=(lowest, np.inf), method="bvls").x / sizes
         return p
 

@@ -17,7 +17,7 @@ from uncertainties import UFloat, correlated_values, covariance_matrix
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.core.numbers import lookup, read_array, real
-from stickslip_sym.core.uncertain import with_error
+from stickslip_sym.core.uncertain import interval, with_error
 from stickslip_sym.model.fitting.least_squares import Problem
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
@@ -32,15 +32,16 @@ if TYPE_CHECKING:
 _SEARCHED = 64.0  # half widths by standard errors, within which the end of an interval is sought
 _NEAR_REST = 0.1  # of V: slip speeds below it are a part of 0 to 2 V that does not matter
 _RATHER = 0.01  # Akaike weight of laws over which a quantity is averaged, over that of the best
-_NORMAL = 1.96  # standard errors on either side, 95 % of a normal distribution
 
+NORMAL = 1.96
+"""Standard errors on either side, 95 % of a normal distribution."""
 Band = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
 
 # -- the curve of a law with what its standard errors leave open ------------------------------------
 
 
-def band(law: FrictionLaw, v: FloatArray, quantile: float = _NORMAL) -> tuple[FloatArray, FloatArray]:
+def band(law: FrictionLaw, v: FloatArray, quantile: float = NORMAL) -> tuple[FloatArray, FloatArray]:
     """Return mu less and plus so many of its standard errors, which are those of the parameters to first order."""
     mu, half = law.at_speeds(v), np.zeros(v.shape)
     if law.uncertain:
@@ -104,8 +105,12 @@ class Fit(_Report):
     dof : float
         Degrees of freedom n/f - k: rows less parameters, where f is `inflation`.
     inflation : float
-        (1 + r)/(1 - r) of the correlation r of residuals from row to row of the file: so many rows count as
-        one. 1 where there is none.
+        So many rows count as one: (1 + r)/(1 - r) of residuals correlated by r from row to row, along the file
+        or along the speed. 1 where they are not.
+    noise : str
+        What is assumed of the noise, in a sentence.
+    jumps : tuple of str
+        The parameters that are places of jumps, whose intervals are those where the sum of squares has not risen.
     warnings : tuple of str
         What the measurements do not determine, and what to fix.
     aicc : float
@@ -116,11 +121,13 @@ class Fit(_Report):
     References
     ----------
     K. P. Burnham and D. R. Anderson, Model Selection and Multimodel Inference, Springer 2002: AICc and weights.
+
+    B. E. Hansen, Sample splitting and threshold estimation, Econometrica 68 (2000) 575: intervals of jumps.
     """
 
     reported = (
         "law", "values", "standard_errors", "confidence", "covariance", "sigma", "chi_squared", "dof", "inflation",
-        "measured", "aicc", "weight", "warnings",
+        "noise", "measured", "aicc", "weight", "warnings",
     )  # fmt: skip
 
     free_law: FrictionLaw
@@ -130,6 +137,8 @@ class Fit(_Report):
     chi_squared: float
     dof: float
     inflation: float
+    noise: str = ""
+    jumps: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     aicc: float = math.inf
     weight: float = 1.0
@@ -153,6 +162,11 @@ class Fit(_Report):
     def sigma(self) -> float:
         """Residual standard deviation of mu: the root of sum (mu_i - mu(v_i))^2 / (n - k)."""
         return float(np.sqrt(np.sum(self.residuals**2) / (len(self.measured) - len(self.values))))
+
+    @property
+    def variance(self) -> float:
+        """By how much the sum of squares rises for one standard error: 1 for independent noise of known sigma."""
+        return self.inflation if self.measured.sigma is not None else self.chi_squared / self.dof
 
     @cached_property
     def residuals(self) -> FloatArray:
@@ -189,7 +203,7 @@ class Fit(_Report):
         profile : bool
             Search where the sum of squares has risen so far, instead of the standard error times a quantile of
             Student's t (of the normal distribution where sigma is known). Right also where the law bends much
-            in its parameters, and takes longer.
+            in its parameters, and takes longer. Places of jumps are always sought so.
 
         Raises
         ------
@@ -197,27 +211,58 @@ class Fit(_Report):
             If the level is not between 0 and 1.
         """
         quantile = self._quantile(level)
-        halves = [quantile * error for error in self.standard_errors.values()]
-        pairs = zip(self.values.items(), halves, strict=True)
-        if not profile:
-            return {name: (value - half, value + half) for (name, value), half in pairs}
-        return {
-            name: (self._end(name, -half, quantile), self._end(name, half, quantile)) for (name, _), half in pairs
-        }
+        intervals = dict[str, tuple[float, float]]()
+        for (name, value), error in zip(self.values.items(), self.standard_errors.values(), strict=True):
+            half = quantile * error
+            if name in self.jumps:
+                intervals[name] = self._gap(name, -1, level), self._gap(name, 1, level)
+            elif profile:
+                intervals[name] = self._end(name, -half, quantile), self._end(name, half, quantile)
+            else:
+                intervals[name] = value - half, value + half
+        return intervals
+
+    def _rise(self, name: str, value: float) -> float:
+        """Return how many variances the sum of squares, least over the other values, has risen."""
+        others = np.array([p for key, p in self.values.items() if key != name])
+        minimum = Problem(self.free_law.bind(**{name: value}), self.measured).minimum(others)
+        rise = math.inf if minimum is None else minimum.chi_squared - self.chi_squared
+        return min(rise / max(self.variance, 1e-300), 1e300) if rise > 0 else 0.0
+
+    def _gap(self, name: str, side: int, level: float) -> float:
+        """Return up to which measured speed a jump may be; infinite beyond all of them.
+
+        The rise of chi-squared at the true place is above x with the probability 1 - (1 - exp(-x/2))^2, at most.
+        """
+        problem = Problem(self.free_law, self.measured)
+        feature = next(one for one in problem.features if problem.names[one.moved] == name)
+        p, speeds = np.array(list(self.values.values())), self.measured.speeds
+        first = int(np.searchsorted(speeds, problem.measured_at(feature, p)))
+        beyond = len(speeds) - first if side > 0 else first  # gaps on this side, and one without an end
+        most = -2 * math.log1p(-math.sqrt(level)) * (self._quantile(level) / ndtri((1 + level) / 2)) ** 2
+
+        def value(level: float) -> float:
+            return float(feature.grid(p, problem.known, np.array([level]))[0, feature.moved])
+
+        def may_be(gaps: int) -> bool:
+            i = first + side * gaps
+            return bool(self._rise(name, value((speeds[i - 1] + speeds[i]) / 2)) <= most)
+
+        within, step = 0, 1
+        while within + step < beyond and may_be(within + step):
+            within, step = within + step, max(1, within // 8)
+        if within + step >= beyond:
+            return side * math.inf
+        return value(float(speeds[first + side * (within + step - 1) - (side < 0)]))
 
     def _end(self, name: str, step: float, quantile: float) -> float:
         """Return where the sum of squares, least over the other values, has risen; infinite, or 0, if nowhere."""
         value = self.values[name]
-        others = np.array([p for key, p in self.values.items() if key != name])
         if step == 0:
             return value
-        variance = self.inflation if self.measured.sigma is not None else self.chi_squared / self.dof
 
         def risen(steps: float) -> float:
-            law = self.free_law.bind(**{name: value + steps * step})
-            minimum = Problem(law, self.measured).minimum(others)
-            rise = math.inf if minimum is None else minimum.chi_squared - self.chi_squared
-            return min(rise / variance, 1e300) - quantile**2
+            return self._rise(name, value + steps * step) - quantile**2
 
         bounded = self.free_law.parameters[name].positive and step < 0
         farthest = min(_SEARCHED, -(1 - 1e-9) * value / step) if bounded else _SEARCHED
@@ -243,8 +288,9 @@ class Fit(_Report):
         rows = []
         for name, (low, high) in self.confidence().items():
             value = with_error(self.values[name], self.standard_errors[name])
-            rows.append([name, value, f"{low:.4g} to {high:.4g}", self.law.parameters[name].unit or ""])
+            rows.append([name, value, interval(low, high), self.law.parameters[name].unit or ""])
         about = f"residual standard deviation {self.sigma:.3g}, AICc {self.aicc:.6g}, weight {self.weight:.2g}"
+        about += f"; {self.noise}" * bool(self.noise)
         law = f"{f'{self.name}: ' if self.law.name else ''}mu(v) = {self.law.text}"
         header = ["parameter", "value", "95 % interval", "unit"]
         return [law, (header, rows), about, *(f"warning: {text}" for text in self.warnings)]
@@ -397,13 +443,15 @@ class Fits(_Report, Sequence[Fit]):
         rows = []
         for fit in self.fits:
             above = f"{fit.aicc - self.best.aicc:.1f}" if math.isfinite(fit.aicc) else "-"
-            warned = f"{n} warning{'s' * (n > 1)}" if (n := len(fit.warnings)) else ""
-            rows.append([fit.name, above, f"{fit.weight:.3f}", f"{fit.sigma:.3g}", fit.values_in_words, warned])
+            rows.append([fit.name, above, f"{fit.weight:.3f}", f"{fit.sigma:.3g}", fit.values_in_words])
         parts: list[str | Rows] = [
             str(self.measured),
-            (["law", "AICc above", "weight", "sigma", "values", ""], rows),
-            *(f"warning: {self.best.name}: {text}" for text in self.best.warnings),
+            (["law", "AICc above", "weight", "sigma", "values"], rows),
         ]
+        likely = [fit for fit in self.fits if fit.weight >= _RATHER * self.best.weight]
+        parts += [f"warning: {fit.name}: {text}" for fit in likely for text in fit.warnings]
+        if others := [fit.name for fit in self.fits if fit.warnings and fit not in likely]:
+            parts.append(f"warnings of less likely laws, each printed with its fit: {', '.join(others)}")
         if self.rejected:
             parts.append((["not fitted", "because"], [[name, why] for name, why in self.rejected.items()]))
         return parts
