@@ -4,15 +4,19 @@ from dataclasses import replace
 
 import stickslip_sym as ss
 from stickslip_sym.cli import options
-from stickslip_sym.cli.options import Given, option
+from stickslip_sym.cli.options import Given, file_option, option
 from stickslip_sym.cli.output import Json, echo_all, in_options
 from stickslip_sym.cli.reading import points
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.output.files import write_text
 
 _RTOL = 1e-10  # asked of every method that can be made more accurate, with --all
 
 
 @options.command(
-    options.AT, options.METHOD, option("--all", is_flag=True, help="Compare every method."),
+    options.AT, options.METHOD,
+    file_option("--certificate", help="A script that proves the threshold without this package (--method proof)."),
+    option("--all", is_flag=True, help="Compare every method."),
     options.time_limit("Seconds of computation, for each method."),
 )  # fmt: skip
 def run(given: Given) -> None:
@@ -24,8 +28,12 @@ def run(given: Given) -> None:
     Example: stickslip damping exponential -p alpha=3 -V 0.5 -N 9.81 -m 1 -k 100 --all
     """
     method = None if given["all"] else given["method"]
-    rtol, limit = given["rtol"], given["time_limit"]
-    found, texts = list[Json](), []
+    rtol, limit, script = given["rtol"], given["time_limit"], given["certificate"]
+    if script is not None and method != "proof":
+        raise InputError(
+            f"a certificate is the script of a theorem: add --method proof, or leave out --certificate {script}"
+        )
+    found, texts, certificates = list[Json](), [], []
     for at in points(given, without=("c",)):
         given.all_used()
         if method is None:
@@ -38,5 +46,9 @@ def run(given: Given) -> None:
         _ = threshold.uncertainty  # warns where the first order is not enough
         text = f"c = {threshold}"
         found.append({"operating_point": at, "threshold": threshold})
+        if script is not None:
+            certificates += [theorem.certificate() for theorem in threshold.theorems]
         texts.append("\n\n".join(map(str, filter(None, (at, text, threshold.budget, threshold.theorem)))))
+    if script is not None:
+        write_text(script, "\n\n".join(certificates))
     echo_all(given, found, texts)

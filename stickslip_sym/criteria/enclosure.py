@@ -18,11 +18,12 @@ import sympy as sp
 from flint import acb, arb
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_value
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.numbers import Number, fraction
 from stickslip_sym.core.precision import refined, working_precision
+from stickslip_sym.criteria.certificate import certificate
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.quadrature import MOST_DIGITS, read_operating_point
 from stickslip_sym.model.expression.pieces import branch_from, kinks_at
@@ -109,6 +110,31 @@ class Enclosure:
         return f"Enclosure: {self}"
 
 
+@dataclass(frozen=True, repr=False)
+class EnclosedCriterion(Enclosure):
+    """The value of a criterion between two numbers, and of what it is.
+
+    Attributes
+    ----------
+    law : FrictionLaw
+    criterion : Criterion
+    V, N : sympy.Rational
+        Belt speed in m/s and normal force in N.
+    """
+
+    law: FrictionLaw
+    criterion: Criterion
+    V: Rational
+    N: Rational
+
+    def certificate(self) -> str:
+        """Return a Python script that encloses the value by itself, in python-flint and without this package.
+
+        Raises `InputError` for a value of 0, or a law with a function that the script has no rule for.
+        """
+        return certificate(self.law, self.criterion, self.V, self.N, self.low, self.high, str(self))
+
+
 def _truncated(value: Fraction, digits: int) -> str:
     """Return a number with so many significant digits, the rest cut off."""
     if value == 0:
@@ -151,7 +177,7 @@ def enclose(
     V: Number,
     N: Number,
     digits: int = 30,
-) -> Enclosure:
+) -> EnclosedCriterion:
     """Enclose the damping coefficient of a criterion, c = -N * integral_{-1}^{1} w(s) mu'(V(1 + s)) ds.
 
     A weight that is a polynomial is integrated by parts, so that mu itself stands under the integral; the
@@ -173,8 +199,8 @@ def enclose(
 
     Returns
     -------
-    Enclosure
-        In kg/s.
+    EnclosedCriterion
+        In kg/s: `low` and `high`, and `certificate()`, a script that encloses it without this package.
 
     Raises
     ------
@@ -193,7 +219,8 @@ def enclose(
     criterion, speed, force = read_operating_point(law, criterion, V, N, digits)
     point = law.point
     if force == 0 or not law.expr.has(symbols.v):
-        return Enclosure(Fraction(0), Fraction(0))  # every criterion averages a slope
+        zero = Fraction(0)  # every criterion averages a slope
+        return EnclosedCriterion(zero, zero, law, criterion, speed, force)
 
     def enclosed() -> arb:
         value = ball(force).real * average_ball(law.expr, point, criterion, ball(speed).real)
@@ -204,7 +231,8 @@ def enclose(
         return value
 
     goal = int(digits * _BITS) + 2
-    return enclosure_of(refined(enclosed, goal, goal + _MOST_LOST))
+    ends = enclosure_of(refined(enclosed, goal, goal + _MOST_LOST))
+    return EnclosedCriterion(ends.low, ends.high, law, criterion, speed, force)
 
 
 def average_ball(mu: Expr, point: Mapping[Expr, Expr | acb], criterion: Criterion, speed: arb) -> arb:

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from stickslip_sym.output.script import sections
+
 _HERE = Path(__file__).parent
 
 
@@ -35,8 +37,7 @@ class Language:
     @cached_property
     def page(self) -> dict[str, str]:
         """The sections of the page by their names."""
-        parts = self.file.read_text(encoding="utf-8").split("@@ ")[1:]
-        return dict(part.split("\n", 1) for part in parts)
+        return sections(self.file)
 
     @cached_property
     def words(self) -> frozenset[str]:

@@ -299,7 +299,7 @@ class _Walk:
         for halvings in range(self.bits):
             time = step.time * arb(2) ** -halvings
             q, w = step.at(time)
-            if self.number == 0 and w < 0:
+            if self.number == 0 and w < 0 and self._is_below_kink(step, time):
                 return self._result(True, w)
             if before < 0 < self.segment.rate(q, w):
                 return self._turn(step, time)
@@ -317,6 +317,11 @@ class _Walk:
 
     def _too_wide(self) -> Undecided:
         return Undecided(f"boxes of width {float(self.w.rad()):.1e} at w = {self.w.str(6)} are too wide to go on")
+
+    def _is_below_kink(self, step: Flow, until: arb) -> bool:
+        """Return whether w is certainly below the end of its segment up to a time: the field was the law's."""
+        high = self.segment.high
+        return high is None or bool(step.at(arb(0).union(until))[1] < high)
 
     def _side(self, w: arb) -> int | None:
         """Return -1, 0 or 1 for below, in and above the segment; None where that is not certain."""
@@ -373,7 +378,7 @@ class _Walk:
         lowest = step.at(start)[1] + self.segment.rate(q, w) * (span - start)
         if not w < 1:
             raise self._too_wide()
-        if self.number == 0 and lowest < 0:
+        if self.number == 0 and lowest < 0 and self._is_below_kink(step, end):
             return self._result(True, lowest, turned=True)
         if lowest > self.segment.low:
             self._require_inside(step, start)

@@ -21,6 +21,7 @@ from stickslip_sym.criteria.enclosure import Enclosure, enclosure_of
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.lipschitz import BITS_OF_SIGNS, lipschitz_evidence
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, Undecided, transit
+from stickslip_sym.motion.thresholds.certificate import certificate
 from stickslip_sym.output import printing
 from stickslip_sym.output.layout import prose
 from stickslip_sym.output.notation import latex_name
@@ -95,6 +96,15 @@ class Theorem:
         values = ", ".join(f"{name} = {value}" for name, value in self.values.items())
         head = f"Theorem. Let mu(v) = {self.law.text}, with {values} in SI units. {self.statement}"
         return "\n".join([head, "Proof.", *(f"- {line}." for line in self.proof)])
+
+    def certificate(self) -> str:
+        """Return a Python script that proves the theorem by itself, in python-flint and without this package."""
+        point = ExactPoint(self.law, *(self.values[name] for name in ("V", "N", "m", "k")))
+        transits = [self.below, self.above, *([] if self.undamped is None else [self.undamped])]
+        bits = max(transit.bits for transit in transits)
+        conditions = [f"{what}: {how}" for what, how in self.hypotheses]
+        ends = self.low, self.high
+        return certificate(point, ends, bits, self.undamped is not None, self.statement, conditions)
 
     def latex(self) -> str:
         """Return the theorem and its proof as LaTeX paragraphs."""

@@ -1,0 +1,81 @@
+"""An enclosed criterion as a script in python-flint alone: nothing of this package is needed to run it."""
+
+import textwrap
+from fractions import Fraction
+from pathlib import Path
+from string import Template
+
+import sympy as sp
+
+from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, Rational
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.criteria.criterion import Criterion
+from stickslip_sym.model import in_flint
+from stickslip_sym.model.in_flint import WIDTH, LawInFlint
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.output.script import imported, sections
+
+_GUARD = 64  # bits beyond those of the enclosure
+
+
+def certificate(
+    law: FrictionLaw, criterion: Criterion, V: Rational, N: Rational, low: Fraction, high: Fraction, shown: str
+) -> str:
+    """Return the script that encloses a criterion between two numbers by itself; `shown` are its certain digits.
+
+    Raises `InputError` for a law with a function that the script has no rule for, or a value of exactly 0.
+    """
+    page = sections(Path(__file__).with_suffix(".txt"))
+    if low >= high or low <= 0 <= high:
+        raise InputError(f"c is {shown}: a certificate is for a value with a certain digit; ask for more digits")
+    script = LawInFlint(law, "".join(page.values()))
+    if criterion.weight is None:
+        sides = _at_the_belt_s_speed(script, V)
+        kind, definition = "equilibrium", "c = -N mu'(V)"
+        slopes = [sp.diff(piece, symbols.v) for piece in sides]
+        pieces = script.functions_of_v("SLOPES", "mu' at the belt's speed, on both sides of a kink", slopes)
+        fields = {"slopes": f"sum(acb(slope(acb(V))) for slope in SLOPES) / {len(sides)}"}
+    else:
+        ends = [end for end, speed in zip(script.ends, script.starts[1:], strict=False) if speed < 2 * V]
+        fields = {"kinks": in_flint.listed([*map(str, ends), "2 * V"], WIDTH - 40)}
+        definition = f"c = -N int_-1^1 w(s) mu'(V (1 + s)) ds, w(s) = {criterion.weight}"
+        kind, pieces = "harmonic", script.functions_of_v("MU", "the smooth pieces of mu", script.pieces)
+        if criterion.is_polynomial:
+            kind = "polynomial"
+            weights = {"weight": criterion.weight, "slope": sp.diff(criterion.weight, symbols.s)}
+            fields |= {name: script.text(weight) for name, weight in weights.items()}
+    lines = textwrap.wrap(f"    mu(v) = {law.text},", WIDTH, subsequent_indent=" " * 8)
+    text = Template(page["page"]).safe_substitute(
+        name=criterion.name,
+        law="\n".join(lines),
+        definition=definition,
+        bits=_bits(low, high) + _GUARD,
+        scene=f"{in_flint.number(V)}, {in_flint.number(N)}",
+        parameters=script.parameters,
+        low=_dyadic(low),
+        high=_dyadic(high),
+        pieces=pieces,
+        body=Template(page[kind].strip()).substitute(fields),
+        functions=script.functions,
+        shown=shown,
+    )
+    names = imported(text.split("import", 1)[1], ("acb", "arb", "arb_series", "ctx", "fmpq"))
+    return Template(text).substitute(imports=names)
+
+
+def _at_the_belt_s_speed(script: LawInFlint, V: Rational) -> list[Expr]:
+    """Return the piece of mu at the belt's speed; at a kink both pieces that meet there."""
+    last = max(i for i, start in enumerate(script.starts) if start <= V)
+    return script.pieces[last - (script.starts[last] == V) : last + 1]
+
+
+def _dyadic(end: Fraction) -> str:
+    """Return the numerator and the denominator, a power of two, of an end."""
+    return f"{end.numerator}, 2**{end.denominator.bit_length() - 1}"
+
+
+def _bits(low: Fraction, high: Fraction) -> int:
+    """Return how many bits of what lies between two ends are certain, about."""
+    ratio = abs(low + high) / (high - low)
+    return max(1, ratio.numerator.bit_length() - ratio.denominator.bit_length())

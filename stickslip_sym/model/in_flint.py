@@ -1,0 +1,151 @@
+"""A bound law as text of python-flint, for scripts that prove something of it without this package.
+
+What is written takes balls and power series alike. `in_flint.txt` has the functions that a law may call.
+"""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+
+import sympy as sp
+from sympy.printing.str import StrPrinter
+
+from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, Rational
+from stickslip_sym.core.balls import number_at
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.model.expression.pieces import branch_from, places
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.output.script import safe_names, sections
+
+WIDTH = 115  # of a line
+_VARIABLES = {symbols.v: "v", symbols.s: "s"}
+_NEEDS = {"asinh": ("exp", "log"), "power": ("exp", "log"), "cosh": ("exp",), "coth": ("exp",), "sech": ("exp",),
+          "sinh": ("exp",), "tanh": ("exp",)}  # fmt: skip
+
+
+class LawInFlint:
+    """A law with values for all parameters in mu, for a script none of whose names is taken."""
+
+    def __init__(self, law: FrictionLaw, script: str) -> None:
+        self._law, self._rows = law, sections(Path(__file__).with_suffix(".txt"))
+        self._names = safe_names(law.values, " ".join([script, *self._rows]))
+        self._printer = _Flint({law.parameters[name].symbol: safe for name, safe in self._names.items()})
+        self.starts = [sp.Integer(0), *law.kinks()]
+
+    @property
+    def parameters(self) -> str:
+        """Assignments of the law's values, on one line or, where that is too long, on one each."""
+        values = {self._names[name]: number(value) for name, value in self._law.values.items()}
+        line = f"{', '.join(values)} = {', '.join(values.values())}" if values else ""
+        return line if len(line) <= WIDTH else "\n".join(f"{name} = {text}" for name, text in values.items())
+
+    @cached_property
+    def pieces(self) -> list[Expr]:
+        """The smooth pieces of mu."""
+        return [branch_from(self._law.expr, self._law.point, start) for start in self.starts]
+
+    def functions_of_v(self, name: str, about: str, exprs: Iterable[Expr]) -> str:
+        """Return a list of expressions as functions of v; formulas that fit no line stand as they are."""
+        lines = "\n".join([f"{name} = [  # {about}", *map(self._function, exprs), "]"]).split("\n")
+        if all(len(line) <= WIDTH for line in lines):
+            return "\n".join(lines)
+        long = [f"{line}  # noqa: E501" if len(line) > WIDTH else line for line in lines]
+        return "\n".join(["# fmt: off", *long, "# fmt: on"])
+
+    @cached_property
+    def ends(self) -> list[str]:
+        """The speeds where the pieces end: the kinks, and the end of what was measured."""
+        law, point = self._law, self._law.point
+        written = {number_at(place, point): place for place in places(law.expr)}
+        ends = [kink if kink.is_Rational else written[kink] for kink in self.starts[1:]]
+        return [self.text(end) for end in [*ends, *([] if law.v_max is None else [law.v_max])]]
+
+    @property
+    def functions(self) -> str:
+        """The functions that what was written so far calls.
+
+        Raises `InputError` for one that has no rule.
+        """
+        used = set(self._printer.used)
+        while more := {need for name in used for need in _NEEDS.get(name, ())} - used:
+            used |= more
+        if unknown := sorted(used - self._rows.keys()):
+            raise InputError(
+                f"the law has {', '.join(unknown)}, for which a certificate has no rule in python-flint; "
+                "what it would prove stands in the result itself, with words: print it"
+            )
+        return "".join(f"\n\n{self._rows[name].strip()}\n" for name in sorted(used)) + "\n" * bool(used)
+
+    def text(self, expr: Expr) -> str:
+        """Return an expression of v and the parameters."""
+        return str(self._printer.doprint(expr))
+
+    def _function(self, expr: Expr) -> str:
+        text = f"    lambda v: {self.text(expr)},"
+        if len(text) > WIDTH:
+            first, *more = (self.text(term) for term in expr.as_ordered_terms())
+            signed = [f"- {term[1:]}" if term.startswith("-") else f"+ {term}" for term in more]
+            text = "\n        ".join(["    lambda v: (", first, *signed]) + "\n    ),"
+        return text
+
+
+def number(value: Rational) -> str:
+    """Return an exact rational as a ball."""
+    return f"arb({value})" if value.is_Integer else f"arb(fmpq({value.p}, {value.q}))"
+
+
+def listed(items: Sequence[str], width: int = WIDTH) -> str:
+    """Return a list, on one line where that is short enough."""
+    line = f"[{', '.join(items)}]"
+    return line if len(line) <= width else "\n    ".join(["[", *(f"{item}," for item in items)]) + "\n]"
+
+
+class _Flint(StrPrinter):  # type: ignore[misc]  # SymPy is untyped
+    """Expressions of balls; `used` are the functions of the page that they call."""
+
+    def __init__(self, names: Mapping[Expr, str]) -> None:
+        super().__init__()
+        self.names, self.used = names, set[str]()
+
+    def doprint(self, expr: Expr) -> str:
+        """Return an expression with its operators parted by blanks."""
+        return re.sub(r" ?([*/]) ?", r" \1 ", super().doprint(expr))
+
+    def _print_Symbol(self, expr: Expr) -> str:
+        return _VARIABLES.get(expr) or self.names[expr]
+
+    def _print_Dummy(self, expr: Expr) -> str:
+        return self._print_Symbol(expr)
+
+    def _print_Rational(self, expr: Expr) -> str:
+        return f"fmpq({expr.p}, {expr.q})"
+
+    def _print_Pi(self, expr: Expr) -> str:
+        del expr
+        return "arb.pi()"
+
+    def _print_Exp1(self, expr: Expr) -> str:
+        del expr
+        return self._call("exp", "arb(1)")
+
+    def _print_Function(self, expr: Expr) -> str:
+        arguments = [number(part) if part.is_Rational else self.doprint(part) for part in expr.args]
+        return self._call(type(expr).__name__, *arguments)
+
+    def _print_Pow(self, expr: Expr, rational: bool = False) -> str:
+        del rational
+        if expr.base is sp.E:
+            return self._print_Function(sp.Function("exp")(expr.exp))
+        if expr.exp == -1:
+            return f"1/({self.doprint(expr.base)})"
+        base = number(expr.base) if expr.base.is_Rational else self.doprint(expr.base)
+        return self._call("whole" if expr.exp.is_Integer else "power", base, self.doprint(expr.exp))
+
+    def _print_NumberPower(self, expr: Expr) -> str:
+        return self._call("power", number(expr.args[0]), self.doprint(expr.args[1]))
+
+    def _call(self, name: str, *arguments: str) -> str:
+        self.used.add(name)
+        return f"{name}({', '.join(arguments)})"

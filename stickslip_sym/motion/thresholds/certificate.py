@@ -1,0 +1,86 @@
+"""A proved threshold as a script in python-flint alone: nothing of this package is needed to run it.
+
+The page `certificate.txt` follows the slip from P as `boxes` does, in one piece for a reader. The law, the
+operating point, both dampings, and what the theorem says of them in words are put in.
+"""
+
+import json
+import textwrap
+from fractions import Fraction
+from pathlib import Path
+from string import Template
+
+import sympy as sp
+from flint import arb
+
+from stickslip_sym.core.precision import working_precision
+from stickslip_sym.model import in_flint
+from stickslip_sym.model.in_flint import WIDTH, LawInFlint
+from stickslip_sym.motion.thresholds.boxes import ExactPoint, Undecided, flow
+from stickslip_sym.output.script import sections
+
+_GUARD = 32  # bits beyond those of the proof, whose boxes are a little narrower
+
+
+def certificate(
+    point: ExactPoint,
+    ends: tuple[Fraction, Fraction],
+    bits: int,
+    is_undamped: bool,
+    statement: str,
+    given: list[str],
+) -> str:
+    """Return the script that proves a theorem by itself.
+
+    - `ends`: dampings at which the slip from P returns, and at which it does not.
+    - `bits`: the precision with which that was decided.
+    - `is_undamped`: whether it was shown to return without damping too.
+    - `statement`, `given`: the theorem in a sentence, and what it needs of the law.
+
+    Raises `InputError` for a law with a function that the script has no rule for.
+    """
+    law, page = point.law, sections(Path(__file__).with_suffix(".txt"))
+    script = LawInFlint(law, page["page"])
+    bits += _GUARD
+    with working_precision(bits):
+        begins_analytic = _is_analytic_at_rest(point)
+    is_level = law.static is None and begins_analytic
+    number = "number" if is_level else "_"
+    static = "MU[0](arb(0))" if law.static is None else script.text(law.static)
+    borders = [f"{end} / V" for end in script.ends] + ["None"] * (law.v_max is None)
+    conditions = [*given, "mu is bounded below at the slip speeds that are reached",
+                   "c_1 >= 0, or the slip at c_1 is followed here"]  # fmt: skip
+    decided = {"returns(c_low)": "c_low: it was not shown that the slip returns",
+               "not returns(c_high)": "c_high: the slip returns"}  # fmt: skip
+    if is_undamped:
+        decided["returns(0)"] = "c = 0: it was not shown that the slip returns"
+    proved = textwrap.wrap(f"proved: {statement}", WIDTH - 10, drop_whitespace=False)
+    return Template(page["page"]).substitute(
+        law=textwrap.fill(f"mu(v) = {law.text}, v = V - x'", WIDTH - 4, subsequent_indent=" " * 8),
+        statement=textwrap.fill(f"Theorem. {statement}", WIDTH),
+        conditions=textwrap.fill(f"Conditions. {'; '.join(conditions)}.", WIDTH),
+        bits=bits,
+        scene=", ".join(map(in_flint.number, (point.V, point.N, point.m, point.k))),
+        parameters=script.parameters,
+        ends=", ".join(f"fmpq({end.numerator}, {end.denominator})" for end in ends),
+        pieces=script.functions_of_v("MU", "the smooth pieces of mu", script.pieces),
+        static=static,
+        ends_of_pieces=in_flint.listed(["arb(0)", *borders], WIDTH - 40),
+        functions=script.functions,
+        origin="(arb(0), arb(0))" if begins_analytic else "first(c)",
+        level=f"{number} == 0" if is_level else "False",
+        number=number,
+        fallen="" if begins_analytic else page["fallen"],
+        rough="" if begins_analytic else "".join(f"{page[name].strip()}\n\n\n" for name in ("first", "falls")),
+        decisions="\n".join(f'assert {decision}, "{word}"' for decision, word in decided.items()),
+        proved="\n".join(f"    {json.dumps(line)}" for line in proved),
+    )
+
+
+def _is_analytic_at_rest(point: ExactPoint) -> bool:
+    """Return whether the slip from P begins with a Taylor step, at the working precision."""
+    try:
+        flow(point.segments(sp.Integer(0))[0], arb(0), arb(0), 2)
+    except Undecided:
+        return False
+    return True

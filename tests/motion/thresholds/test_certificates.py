@@ -1,0 +1,102 @@
+"""Certificates in python-flint run without the package, prove what was proved, and notice what is changed."""
+
+import random
+import re
+import subprocess
+import sys
+
+import pytest
+from commands import inside
+from sweeps import sweep
+
+import stickslip_sym as ss
+
+AT = {"V": "0.5", "N": "9.81", "m": 1, "k": 100}
+LAWS = {
+    "exponential": ss.laws.exponential.typical(),
+    "static": ss.laws.exponential.typical().with_static("0.6"),
+    "tanh": ss.laws.tanh.typical(),
+    "rational": ss.laws.rational.typical(),
+    "kinks": ss.FrictionLaw("0.5-0.3*Min(v,0.4)+0.1*Max(v-0.42,0)"),
+    "points": ss.FrictionLaw.from_samples([0, 0.1, 0.3, 0.6, 1, 1.5, 3], [0.5, 0.45, 0.4, 0.3, 0.29, 0.3, 0.35]),
+    "names": ss.FrictionLaw("exp0 + box*exp(-rate*v)").bind(exp0="0.2", box="0.3", rate=3),
+    "root": ss.FrictionLaw("0.5-0.1*sqrt(v)"),
+}
+BLOCKED = "import sys; sys.modules['stickslip_sym'] = sys.modules['sympy'] = sys.modules['mpmath'] = None\n"
+
+
+def run(script):
+    """Run a script where nothing but python-flint can be imported."""
+    return subprocess.run(
+        [sys.executable, "-I", "-c", BLOCKED + script], capture_output=True, text=True, check=False
+    )
+
+
+def theorem_of(name, **more):
+    return ss.pure_slip_damping(LAWS[name], **AT | more, method="proof", rtol=1e-8).theorem
+
+
+@sweep("name", list(LAWS), "exponential", "kinks", "names")
+def test_the_script_of_a_threshold_proves_it(name):
+    theorem = theorem_of(name)
+    done = run(theorem.certificate())
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("proved: " + theorem.statement[:40])
+
+
+def changed(script, rng):
+    """Return a script with a digit of a number, or a sign, of the law or of its values changed."""
+    head, tail = script.split("MU = [", 1)
+    law, rest = tail.split("\n]\n", 1)
+    (values,) = re.findall(r"(?<=\nV, N, m, k = ).*", head)
+    spots = [match.start() for match in re.finditer(r"\d(?=[,)])", values)]
+    spot = rng.choice(spots)
+    digit = str((int(values[spot]) + rng.randrange(1, 9)) % 10)
+    other = values[:spot] + digit + values[spot + 1 :]
+    yield head.replace(values, other) + "MU = [" + tail, other
+    yield head + "MU = [" + law.replace("exp(-", "exp(", 1) + "\n]\n" + rest, "the sign of an exponent"
+    yield script.replace("c_low, c_high = ", "c_high, c_low = "), "both ends turned round"
+    yield script.replace("- c * w", "+ c * w"), "the sign of the damping"
+    yield script.replace("qs.append(((i == 1) - ws[i - 1]) / i)", "qs.append(ws[i - 1] / i)"), "the rate of q"
+
+
+def test_a_changed_digit_sign_or_end_is_noticed():
+    script = theorem_of("exponential").certificate()
+    for mutant, what in changed(script, random.Random(1)):
+        assert mutant != script, what
+        assert run(mutant).returncode != 0, what
+
+
+@sweep(
+    ("name", "criterion"),
+    [(name, criterion) for name in LAWS for criterion in ("equilibrium", "least_squares", "harmonic")],
+    ("kinks", "harmonic"), ("root", "least_squares"), ("points", "equilibrium"),
+)  # fmt: skip
+def test_the_script_of_a_criterion_encloses_it(name, criterion):
+    enclosed = ss.enclose(LAWS[name], criterion, V="0.45", N="9.81", digits=25)
+    script = enclosed.certificate()
+    done = run(script)
+    assert done.returncode == 0, done.stderr
+    assert str(enclosed) in done.stdout
+    moved = script.replace(
+        f"fmpq({enclosed.high.numerator}, ", f"fmpq({2 * enclosed.low.numerator - enclosed.high.numerator}, "
+    )
+    assert "AssertionError: c_high" in run(moved).stderr
+
+
+def test_what_has_no_certificate_says_why():
+    with pytest.raises(ss.InputError, match="certain digit"):
+        ss.enclose("0.3", V=1, N=1).certificate()
+    law = ss.FrictionLaw("0.2 + 0.3*exp(-v)*(coth(v) - 1/v)")
+    with pytest.raises(ss.InputError, match="Langevin, for which"):
+        ss.enclose(law, V=1, N=1).certificate()
+
+
+def test_a_certificate_is_written_with_a_proof_only(tmp_path):
+    target = tmp_path / "proof.py"
+    at = [arg for name, value in AT.items() for arg in (f"-{name}", str(value))]
+    done = inside("damping", "exponential", *at, "--certificate", str(target))
+    assert "--method proof" in done.stderr
+    assert not target.exists()
+    assert inside("damping", "exponential", *at, "--method", "proof", "--certificate", str(target)).returncode == 0
+    assert run(target.read_text()).returncode == 0
