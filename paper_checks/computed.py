@@ -22,7 +22,7 @@ from stickslip_sym import (
 )
 from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.formula.proof.normal_form import normal_form
-from stickslip_sym.motion.orbits.cycles import NeededDamping, needed_damping
+from stickslip_sym.motion.orbits.damping import NeededDamping, needed_damping
 from stickslip_sym.motion.simulation.trajectory import Trajectory
 from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints

@@ -7,6 +7,7 @@ parted at the arguments where the function may break; where the bound on the wor
 is kept as such.
 """
 
+import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -24,6 +25,7 @@ _DEGREE = 16
 _TAIL = 3  # last coefficients, that must vanish
 _NOISE = 4.0  # errors of its values, by which a coefficient may be off
 _NARROWEST = 1e-11  # width of an interval over the range: it holds a jump, or the end of a stretch without value
+_COARSE = 1e3  # times what was asked for, above which an error hides roots
 _FARTHEST = 1e300  # from a value, that a bisection is to see
 _REAL = 1e-3  # imaginary part of a root of a slope, of a double root that rounding has parted
 
@@ -85,10 +87,13 @@ class Resolved:
         Ascending. Two that do not touch leave a jump between them, or an interval that is not resolved.
     unresolved : tuple of (float, float)
         Intervals in which the function may do what its pieces do not show, ascending.
+    rtol : float
+        Of the largest value on a piece, what its polynomial leaves out where the values have no errors.
     """
 
     pieces: tuple[Piece, ...]
     unresolved: tuple[tuple[float, float], ...]
+    rtol: float
 
     def __call__(self, x: float) -> float:
         """Return the value at an argument, or where there is no piece that at the end of the piece before."""
@@ -124,15 +129,33 @@ class Resolved:
 
     def roots(self, level: float = 0.0) -> list[Root]:
         """Return where the function takes a value, ascending; a jump past it counts, and so does touching it."""
-
-        def off(x: float) -> float:
-            return min(max(self(x) - level, -_FARTHEST), _FARTHEST)
-
         found = [Root(turn.x, turn.x, turn.x) for turn in self.turns if turn.value == level]
         for low, high in pairwise(self.turns):
             if min(low.value, high.value) < level < max(low.value, high.value):
-                found.append(Root(brentq(off, low.x, high.x), low.x, high.x))
+                ends = {low.x: low.value, high.x: high.value}  # one side each, where the function jumps there
+
+                def off(x: float, ends: dict[float, float] = ends) -> float:
+                    return min(max(ends.get(x, self(x)) - level, -_FARTHEST), _FARTHEST)
+
+                x = brentq(off, low.x, high.x) if low.x < high.x else low.x
+                found.append(Root(x, low.x, high.x))
         return sorted(found)
+
+    def open_at(self, level: float) -> list[tuple[float, float]]:
+        """Return the intervals in which it is not known how often the function takes a value, ascending.
+
+        They are those that are not resolved, and pieces across the value whose errors are much larger than was
+        asked for.
+        """
+        ranges = [[turn.value for turn in piece.turns] for piece in self.pieces]
+        largest = max((abs(value) for values in ranges for value in values if math.isfinite(value)), default=0.0)
+        coarse = [
+            (piece.low, piece.high)
+            for piece, values in zip(self.pieces, ranges, strict=True)
+            if piece.error > _COARSE * self.rtol * largest
+            and min(values) - piece.error <= level <= max(values) + piece.error
+        ]
+        return _joined(sorted([*self.unresolved, *coarse]))
 
 
 def resolve(function: Sampled, edges: Sequence[float], *, rtol: float, most: int) -> Resolved:
@@ -163,7 +186,8 @@ def resolve(function: Sampled, edges: Sequence[float], *, rtol: float, most: int
         middle = (low[halved] + high[halved]) / 2
         low, high = np.concatenate((low[halved], middle)), np.concatenate((middle, high[halved]))
     unresolved += zip(low.tolist(), high.tolist(), strict=True)
-    return Resolved(tuple(sorted(pieces, key=lambda piece: piece.low)), tuple(_joined(sorted(unresolved))))
+    ascending = sorted(pieces, key=lambda piece: piece.low)
+    return Resolved(tuple(ascending), tuple(_joined(sorted(unresolved))), rtol)
 
 
 def _joined(intervals: list[tuple[float, float]]) -> list[tuple[float, float]]:

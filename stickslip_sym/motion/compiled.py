@@ -26,6 +26,7 @@ _OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {
 _log = logging.getLogger("stickslip_sym")
 _marked = dict[Callable[..., Any], bool]()
 """Functions that compiled ones may call, and whether numba knows that."""
+_ready = set[Callable[..., Any]]()
 
 
 def compilable(function: _Function) -> _Function:
@@ -41,6 +42,11 @@ def is_compiling() -> bool:
         return True
     _say("many motions are computed in plain Python; pip install 'stickslip_sym[fast]' makes that 30 times faster")
     return False
+
+
+def is_ready(function: Callable[..., Any]) -> bool:
+    """Whether the machine code of a function was loaded, or made, in this process."""
+    return function in _ready
 
 
 @cache
@@ -66,6 +72,7 @@ def compiled(function: _Function) -> _Function:
         if not machine_code.overloads:
             with uncounted(), _announced("compiling the integrator, once for this installation ..."):
                 machine_code.compile(tuple(map(numba.typeof, arguments)))
+            _ready.add(function)
         return machine_code(*arguments)
 
     return call  # type: ignore[return-value]

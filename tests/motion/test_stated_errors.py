@@ -8,7 +8,7 @@ from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Motion, Phase
-from stickslip_sym.motion.orbits.cycles import needed_damping
+from stickslip_sym.motion.orbits.damping import needed_damping
 from stickslip_sym.motion.orbits.orbit import orbits
 from stickslip_sym.motion.regimes.regime import Regime
 from stickslip_sym.motion.thresholds.methods import methods

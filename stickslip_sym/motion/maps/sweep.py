@@ -26,7 +26,7 @@ from stickslip_sym.motion.maps.drawing import regions_of_motions
 from stickslip_sym.motion.maps.table import Axis, AxisValues, Table, placed, read_axis, read_values
 from stickslip_sym.motion.margins.critical import critical
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.orbits.cycles import needed_damping
+from stickslip_sym.motion.orbits.damping import needed_damping
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.regimes.regime import Regime, kept_regime
 from stickslip_sym.motion.roots import NEAREST, closest, sign_changes

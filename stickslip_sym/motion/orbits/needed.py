@@ -43,6 +43,7 @@ _LOOSER = 10.0  # of the tolerance, for the estimate of what the integration is 
 _NEAR = 1e-2  # gap at which the tight tolerance is taken
 _ROUGH = 1e-4  # gap above which coarse steps show its sign, and relative error of the slope by them
 _SLOW = 0.5  # of the gap before, above which the tight steps are as good as they get
+_UNSURE = 10.0  # times what the steps are off, above which a gap is none of theirs
 _DONE = 1e-10  # gap after which the next secant is the last one
 _MOST_GAPS = 100  # dampings that are tried
 _PHASES = 64  # for the first guess
@@ -195,12 +196,11 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
             loose, _, _, _ = gap(rise, eta, zeta, push, A, _LOOSER * tight, False, 0.0, by_zeta)
             off = abs(loose - value) + rounding + (_LOOSER * tight if tight > PRECISE else 0.0)
             if abs(value) <= _DONE:
-                off += value * value + _ROUGH * abs(value)
-                zeta -= value / slope
-            else:  # the gap is no more than what the steps are off
-                off += abs(value)
-                slope = max(slope, _FALL)
-            return Found.ROOT, zeta, off / -slope + PRECISE * largest, low, high
+                error, ends = (off + value * value + _ROUGH * abs(value)) / -slope, zeta - value / slope
+            else:  # the gap is no more than what the steps are off, or it jumps beside its root
+                error, ends = (off + abs(value)) / -max(slope, _FALL), zeta
+            if abs(value) <= max(_DONE, _UNSURE * off) and error <= _ROUGH * (abs(zeta) + largest):
+                return Found.ROOT, ends, error + PRECISE * largest, low, high
         if math.isfinite(high - low) and high - low <= ROUNDING * max(abs(low), abs(high)):
             # The gap jumps there, as where the halves pass a jump of mu on one side only, or part by all digits;
             # or the law ends there, and the forward half leaves its table for less damping.

@@ -27,7 +27,8 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles, needed_damping
+from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles
+from stickslip_sym.motion.orbits.damping import needed_damping
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS
 from stickslip_sym.motion.regimes.separatrix import Separatrix, interpolated

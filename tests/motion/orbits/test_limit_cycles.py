@@ -8,7 +8,7 @@ from operating_points import TWO, paper_oscillator
 from sweeps import sweep
 
 import stickslip_sym as ss
-from stickslip_sym.motion.orbits.cycles import needed_damping
+from stickslip_sym.motion.orbits.damping import needed_damping
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.steps import End
 

@@ -1,0 +1,267 @@
+"""The damping d(A) that slip orbits need, as a function of their amplitude A V: polynomials between its breaks.
+
+An orbit of amplitude A V meets the slip speeds from V (1 - A) to a highest one that grows with A, since orbits of
+different amplitudes do not cross: damping rotates the field of directions one way. Where either end of that range
+comes to a speed at which mu changes quickly, d may turn, jump, or begin anew as a power of the square root of the
+amplitude beyond. The range of amplitudes is parted there, and d resolved between these amplitudes in the square
+root of the distance: so every limit cycle at any damping, and every fold, is a root or an extremum of polynomials.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import brentq
+
+from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.deadline import check_time
+from stickslip_sym.core.errors import NotConverged
+from stickslip_sym.core.resolved import Resolved, Turn, resolve
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.oscillator import Oscillator, as_oscillator
+from stickslip_sym.model.table import FrictionTable
+from stickslip_sym.motion.compiled import is_ready
+from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, Found, halves, needed_all, needed_ratio, sure_gap
+from stickslip_sym.motion.roots import NEAREST
+from stickslip_sym.motion.simulation.cycle import first_minimum
+from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.steps import TIGHT
+
+_RTOL = 1e-9  # of d, that its polynomials may leave out
+_MOST = 2000  # orbits, to resolve it
+_FEW = 40  # orbits, up to which plain Python is as fast as loading compiled code
+_NEUTRAL = 3e-12  # gap below which an orbit is periodic within the errors of the steps
+_BESIDE = 1e-6  # relative, of the amplitude of a cycle by polynomials, within which it lies
+_CLEAR = 10.0  # errors from a damping at which the sign of a polynomial is that of the gap
+_NARROW = 64  # times narrower than V is a piece of the table in which mu changes quickly,
+_NARROWER = 0.6  # and than the pieces beside it
+_SAME, _CLOSE = 1e-9, 1e-13  # amplitudes that are one, and the error of one at which d breaks
+_SLIGHT, _LARGE = 0.5, 0.9  # damping ratio that a jump of mu at V may ask for, and amplitude above all such
+_ROUNDS = 200  # of a motion, to see whether it goes through a range of amplitudes
+
+
+@dataclass(frozen=True)
+class NeededDamping:
+    """The damping d(A) that a slip orbit needs, over sqrt(k m), as a function of its amplitude A V.
+
+    - `system`: without damping and without a static excess, which no orbit in slip meets.
+    """
+
+    system: Dimensionless
+
+    def at(self, amplitude: ArrayLike) -> FloatArray:
+        """Return d at amplitudes over the belt speed; d(0) is the Hopf bifurcation, d(1) the graze."""
+        A, hopf = np.asarray(amplitude, dtype=np.float64), -self.system.decay(1.0)
+        d = [hopf if one < NEAREST else 2 * needed_ratio(self.system, one)[0] for one in A.ravel().tolist()]
+        return np.array(d).reshape(A.shape)
+
+    def gap(self, A: float, damping: float) -> float:
+        """Return the gap of an orbit at a damping over sqrt(k m), of the sign of d(A) - damping."""
+        system = self.system
+        value, _ = sure_gap(system.rise, system.eta, damping / 2, 0.0, A, TIGHT, tuple(system.no_wedge))
+        check_time()
+        if math.isnan(value):
+            raise NotConverged(
+                f"the slip orbit of amplitude {A * system.V:g} m/s takes too many steps: friction is too strong; "
+                "try simulate()"
+            )
+        return 0.0 if abs(value) <= _NEUTRAL else float(value)
+
+    # -- d as polynomials --------------------------------------------------------------------------
+
+    @property
+    def least(self) -> float:
+        """The least amplitude at which d is resolved: beside a jump of mu at V it grows without bound."""
+        levels, jumps = self.system.rise.levels, self.system.rise.jumps
+        jump = max(
+            (abs(size) for w, size in zip(levels, jumps, strict=False) if abs(w - 1) <= NEAREST), default=0.0
+        )
+        return min(max(NEAREST, self.system.eta * jump / (math.pi * _SLIGHT)), _LARGE)
+
+    @cached_property
+    def edges(self) -> list[float]:
+        """The amplitudes from the least that is looked at to 1, between which d is smooth."""
+        levels = [v / self.system.V for v in quick_speeds(self.system.table, self.system.V)]
+        met = [1 - w for w in levels if w < 1]
+        above = [w for w in levels if w > 1]
+        least, most = (self._highest(A) for A in (self.least, 1.0)) if above else (math.inf, math.inf)
+        for w in above:
+            if least < w < most:
+                met.append(self._reaching(w * (1 - ROUNDING), self.least))
+                if self._highest(beyond := met[-1] + _SAME) < w * (1 + ROUNDING) < self.system.w_max:
+                    met.append(self._reaching(w * (1 + ROUNDING), beyond))  # orbits slide there for a while
+        inside = sorted(A for A in met if self.least < A < 1)
+        edges = [self.least, *(A for A, after in pairwise([*inside, 1.0]) if after - A > _SAME), 1.0]
+        # Both ends of the last range may be singular: the law at rest, too.
+        return edges if len(edges) == 2 else [*edges[:-1], (edges[-2] + 1) / 2, 1.0]
+
+    @cached_property
+    def measured(self) -> float:
+        """The amplitude up to which orbits stay at speeds at which the law is measured."""
+        w_max = self.system.w_max
+        return (
+            next((A for A in self.edges if self._highest(A) >= w_max * (1 - _SAME)), 1.0)
+            if math.isfinite(w_max)
+            else 1.0
+        )
+
+    @cached_property
+    def resolved(self) -> Resolved:
+        """The polynomials, over a place that `amplitudes` takes: from one edge to the next it grows by 1."""
+        return resolve(
+            lambda places: self._values(self.amplitudes(places)), range(len(self.edges)), rtol=_RTOL, most=_MOST
+        )
+
+    def amplitudes(self, places: ArrayLike) -> FloatArray:
+        """Return amplitudes, over the belt's speed, from places among the edges.
+
+        They go with the square of the distance from the lower edge, or from the upper one in the first and the
+        last range.
+        """
+        places, edges = np.asarray(places, dtype=np.float64), np.array(self.edges)
+        last = edges.size - 2
+        row = np.clip(places.astype(np.intp), 0, last)
+        low, high, part = edges[row], edges[row + 1], places - row
+        below = (row == 0) | (row == last)
+        return np.where(below, high - (high - low) * (1 - part) ** 2, low + (high - low) * part**2)
+
+    def _values(self, A: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return d and its errors.
+
+        It is infinite where no damping is enough, or none too little. Where less lets an orbit leave the speeds
+        that were measured it is the damping at which that begins.
+        """
+        found = np.full((A.size, 5), float(Found.LATE))
+        orbits = np.full(A.size, self.system.eta), np.zeros(A.size), A
+        self.system.spread(needed_all, orbits, (SIGNS,), found, few=0 if is_ready(needed_all) else _FEW)
+        check_time()
+        end, zeta, error, low, high = found.T
+        bounded = end == Found.BEYOND
+        cases = [end == Found.ROOT, bounded, end == Found.NONE]
+        values = np.select(cases, [2 * zeta, 2 * zeta, np.copysign(np.inf, zeta)], np.nan)
+        return values, np.select(cases[:2], [2 * error, 2 * (high - low)], 0.0)
+
+    def _reaching(self, w: float, low: float) -> float:
+        """Return the amplitude, above one, at which orbits come to a highest slip speed over V."""
+
+        def off(A: float) -> float:
+            return min(self._highest(A), 2 * w) - w
+
+        return float(brentq(off, low, 1.0, xtol=_CLOSE)) if off(low) < 0 < off(1.0) else low
+
+    def _highest(self, A: float) -> float:
+        """Return the highest slip speed of an orbit, over V; infinite where it is not known."""
+        system = self.system
+        (damping,), _ = self._values(np.array([A]))
+        if not math.isfinite(damping):
+            return math.inf
+        none = tuple(system.no_wedge)
+        (way, *_), _, highest = halves(system.rise, system.eta, damping / 2, 0.0, A, TIGHT, False, 0.0, none)
+        return float(highest) if way >= 0 else math.inf
+
+    # -- what is read from them --------------------------------------------------------------------
+
+    @cached_property
+    def turns(self) -> tuple[Turn, ...]:
+        """The extrema of d over the amplitude, the ends of its range with them."""
+        return tuple(turn._replace(x=float(self.amplitudes(turn.x))) for turn in self.resolved.turns)
+
+    def cycles(self, damping: float) -> Iterator[tuple[float, bool]]:
+        """Yield every amplitude at which d is a damping, ascending, and whether d falls there: a stable cycle.
+
+        Raises `InputError` if orbits leave the speeds that were measured of the law, and `NotConverged` where a
+          range of amplitudes is not resolved.
+        """
+        turns, V = self.turns, self.system.V
+        if any(turn.x > self.measured and turn.value > damping for turn in turns):
+            raise self.system.unmeasured(self.system.w_max)
+        ranges = [self.amplitudes(ends).tolist() for ends in self.resolved.open_at(damping)]
+        for low, high in [*([[NEAREST, self.least]] if self.least > NEAREST else []), *ranges]:
+            if not self._passes(low, high, damping):
+                raise NotConverged(
+                    f"the slip orbits with amplitudes from {low * V:.9g} to {high * V:.9g} m/s are not resolved "
+                    f"by {_MOST} orbits: limit cycles there may be missed; try simulate()"
+                )
+        roots = {root.low: float(self.amplitudes(root.x)) for root in self.resolved.roots(damping)}
+        signs = [self._sign(turn, damping) for turn in turns]
+        for i, turn in enumerate(turns):
+            if signs[i] == 0 and len(turns) > 1:
+                yield turn.x, False
+            elif i + 1 < len(turns) and signs[i] * signs[i + 1] < 0:
+                ends = turn.x, turns[i + 1].x
+                estimate = roots.get(self.resolved.turns[i].x)
+                yield self._polished(estimate, *ends, signs[i], damping), signs[i] > 0
+
+    def _sign(self, turn: Turn, damping: float) -> float:
+        """Return the sign of d - damping at an extremum."""
+        off = turn.value - damping
+        if not abs(off) <= _CLEAR * (turn.error + ROUNDING * abs(damping)):
+            return math.copysign(1.0, off)
+        return float(np.sign(self.gap(turn.x, damping)))
+
+    def _polished(self, estimate: float | None, low: float, high: float, sign: float, damping: float) -> float:
+        """Return the amplitude of a cycle between two, by the gap at the damping; of weak friction all are small.
+
+        - `sign`: of d - damping at the lower one, where d may jump.
+        """
+        ends = {high: -sign, low: sign}
+
+        def gap(A: float) -> float:
+            return ends[A] if A in ends else min(max(self.gap(A, damping), -1.0), 1.0)
+
+        if estimate is not None:
+            beside = max(estimate * (1 - _BESIDE), low), min(estimate * (1 + _BESIDE), high)
+            signs = np.sign([gap(A) for A in beside])
+            if not signs.any():
+                return estimate
+            if signs.prod() < 0:
+                low, high = beside
+        return float(brentq(gap, low, high, xtol=ROUNDING * high)) if low < high else low
+
+    def _passes(self, low: float, high: float, damping: float) -> bool:
+        """Whether a motion goes through all amplitudes between two: orbits do not cross, so no cycle is there."""
+        system = replace(self.system, zeta=damping / 2)
+        way = math.copysign(1.0, self.gap(low, damping))
+        peak, end = (low, high) if way > 0 else (high, low)
+        for _ in range(_ROUNDS):
+            before, peak = peak, 1 - first_minimum(system, system.turn(1 - peak), 1 - peak, TIGHT)
+            if way * (peak - end) >= 0:
+                return True
+            if way * (peak - before) <= 0:
+                return False
+        return False
+
+
+def quick_speeds(table: FrictionTable, V: float) -> list[float]:
+    """Return the slip speeds in m/s, ascending, at which a law has a kink or a jump, or changes quickly beside V.
+
+    It does so in pieces of its table that are narrower than those beside them: at both ends of these.
+    """
+    begins = np.append(table.pieces[:, 0], table.end)
+    widths = np.diff(begins)
+    bounds = np.flatnonzero(np.abs(np.diff(np.log(widths))) > -math.log(_NARROWER)) + 1
+    runs = [0, *bounds.tolist(), widths.size]
+    narrow = [
+        begins[end]
+        for before, first, after in zip(runs, runs[1:], runs[2:], strict=False)
+        if widths[first] < min(_NARROWER * widths[[before, after % widths.size]].min(), V / _NARROW)
+        for end in (first, after)
+    ]
+    measured = [table.end] if math.isfinite(table.reach) else []
+    return sorted({*table.kinks, *map(float, narrow), *measured})
+
+
+def needed_damping(law: FrictionLaw, osc: Oscillator) -> NeededDamping:
+    """Return the damping that slip orbits need as a function of their amplitude; the c of `osc` is not used."""
+    osc = as_oscillator(osc)
+    return _kept(law, osc.eta, osc.V)
+
+
+@lru_cache(maxsize=64)  # cycles at many dampings read one
+def _kept(law: FrictionLaw, eta: float, V: float) -> NeededDamping:
+    table = FrictionTable.of(law)
+    return NeededDamping(Dimensionless(eta, 0.0, replace(table, static=table.onset), V))
