@@ -127,7 +127,8 @@ class NeededDamping:
         row = np.clip(places.astype(np.intp), 0, last)
         low, high, part = edges[row], edges[row + 1], places - row
         below = (row == 0) | (row == last)
-        return np.where(below, high - (high - low) * (1 - part) ** 2, low + (high - low) * part**2)
+        found: FloatArray = np.where(below, high - (high - low) * (1 - part) ** 2, low + (high - low) * part**2)
+        return found
 
     def _values(self, A: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return d and its errors.
