@@ -287,7 +287,7 @@ def _criterion(law: FrictionLaw, criterion: Criterion, point: Mapping[str, Numbe
         row("stable function", "array", partial(form, **many), _ARRAY),
         row("stable function", "one value", partial(form, **numbers)),
     ]
-    if criterion.weight is not None and not jumps(law.expr):  # a rule for the slope misses a jump
+    if criterion.weight is not None and not jumps(law.expr, law.point):  # a rule for the slope misses a jump
         from scipy.integrate import quad
 
         integrand = _integrand(form, at["V"], at["N"])

@@ -156,9 +156,9 @@ class _Balls:
 
     def power(self, base: Any, exponent: Any, analytic: bool) -> Any:
         """Return z^p: by the logarithm, and for p > 0 around 0, where there is none, within the largest size."""
-        if not analytic and exponent.real > 0 and exponent.imag == 0 and base.contains(0):
-            largest = arb(base.abs_upper())
-            size = largest**exponent.real if largest > 0 else arb(0)
+        # A ball that is not finite holds 0 too, but says nothing of its size.
+        if not analytic and exponent.real > 0 and exponent.imag == 0 and base.is_finite() and base.contains(0):
+            size = arb(0) if base == 0 else arb(base.abs_upper()) ** exponent.real
             around = arb(0, size.abs_upper())
             return acb(around, around)
         return base.pow(exponent, analytic)

@@ -246,9 +246,11 @@ def average_ball(mu: Expr, point: Mapping[Expr, Expr | acb], criterion: Criterio
     ends_of_pieces = [sp.Integer(0), *kinks, 2 * kinks[-1] if kinks else sp.Integer(1)]
     pieces = smooth_pieces(mu, point, ends_of_pieces[: len(inside) + 2])
     if criterion.weight is None:
-        return -ball_value(sp.diff(pieces[-1], symbols.v), {**point, symbols.v: acb(speed)}).real
+        there = {**point, symbols.v: acb(speed)}
+        slope_there = _real(ball_value(sp.diff(pieces[-1], symbols.v), there)).real
+        return -slope_there if _real(ball_value(pieces[-1], there)).is_finite() else arb.nan()
     parts = [ball_function(piece, symbols.v, point) for piece in pieces]
-    if not parts[0](acb(0), False).is_finite():
+    if not _real(parts[0](acb(0), False)).is_finite():
         return arb.nan()  # no panel that begins at v = 0 has a bound, however often it is halved
     V, places = acb(speed), [ball(place).real for place in inside]
     if criterion.is_polynomial:
@@ -260,12 +262,15 @@ def average_ball(mu: Expr, point: Mapping[Expr, Expr | acb], criterion: Criterio
 
     def integrand(mu: BallFunction) -> BallFunction:
         def over_speed(s: acb, analytic: bool) -> acb:
-            return slope(s, analytic) * mu(V * (1 + s), analytic)
+            return slope(s, analytic) * on_axis(s, mu(V * (1 + s), analytic))
 
         def over_angle(phi: acb, analytic: bool) -> acb:
             sine = phi.sin()
             square = sine * sine
-            return mu(2 * V * square, analytic) * (1 - 2 * square)
+            return on_axis(phi, mu(2 * V * square, analytic)) * (1 - 2 * square)
+
+        def on_axis(z: acb, value: acb) -> acb:
+            return _real(value) if z.imag == 0 else value
 
         return over_speed if criterion.is_polynomial else over_angle
 
@@ -277,6 +282,11 @@ def average_ball(mu: Expr, point: Mapping[Expr, Expr | acb], criterion: Criterio
     if high != 0:
         total -= ball(high) * parts[-1](2 * V, False)
     return (total / V).real
+
+
+def _real(value: acb) -> acb:
+    """Return a ball that may hold a real number; what cannot is no coefficient, and no ball."""
+    return value if value.imag.contains(0) else acb(arb.nan())
 
 
 def smooth_pieces(mu: Expr, point: Mapping[Expr, Expr | acb], ends: Sequence[Expr]) -> list[Expr]:

@@ -36,7 +36,7 @@ def lipschitz_evidence(law: FrictionLaw) -> tuple[bool, str]:
             if not _is_positive(argument.xreplace(law.point), start, end):
                 where = f"between v = {start} and {end or 'infinity'}"
                 return False, f"{argument} was not shown to be positive {where}"
-    for place, height in jumps(law.expr):
+    for place, height in jumps(law.expr, law.point):
         if height.xreplace(law.point) != 0 and sp.simplify(height) != 0:
             return False, f"mu jumps at v = {place}"
     if kinks:

@@ -8,6 +8,8 @@ import pytest
 import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
+from strategies import nested
+from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.criteria import enclosure
@@ -49,6 +51,39 @@ def test_quadrature_lies_in_the_enclosure(seed):
     except (ss.NotConverged, ss.InputError):
         return  # quadrature has its limits, and mu may not be real at the operating point
     assert enclosure.radius == 0 or enclosure.digits >= 20 or 0 in enclosure
+
+
+def by_gauss(law, criterion, V):
+    """The definition over an angle, v = V (1 - cos(theta)), by Gauss's rule in 40 digits, and its own error."""
+    mu, kernel = law.function("mpmath"), ss.criteria.find(criterion).angle_kernel
+    factor = sp.lambdify([ss.symbols.theta, ss.symbols.V], kernel, "mpmath")
+    with mpmath.workdps(50):
+        speed, places = mpmath.mpf(V), [mpmath.pi * (mpmath.mpf(k) / 12) ** 2 for k in range(13)]
+        return mpmath.quad(lambda t: mu(speed * (1 - mpmath.cos(t))) * factor(t, speed), places,
+                           method="gauss-legendre", error=True, maxdegree=7)  # fmt: skip
+
+
+@sweep("count", [6, 300], 6)
+def test_functions_within_functions(count):
+    rng, looked = random.Random(5), 0
+    for _ in range(count):
+        law, criterion, V = nested(rng), rng.choice(CRITERIA[:2]), f"{10 ** rng.uniform(-2, 0.5):.4g}"
+        value, error = by_gauss(law, criterion, V)
+        if error < 1e-38:
+            enclosure, looked = ss.enclose(law, criterion, V=V, N=1, digits=45), looked + 1
+            assert abs(mpmath.mpf(enclosure.mid.numerator) / enclosure.mid.denominator - value) < 1e-38, law
+            assert enclosure.digits >= 45
+    assert looked > count / 2
+
+
+@pytest.mark.parametrize(
+    ("formula", "V"), [("sqrt(v - 0.2)", "0.15"), ("log(v - 0.2)", "0.15"), ("sqrt((v - 0.1)*(v - 0.2))", "0.15")]
+)
+@pytest.mark.parametrize("criterion", ["least_squares", "equilibrium"])
+def test_a_coefficient_that_is_not_real_is_not_enclosed(formula, V, criterion):
+    """Its slope may be real all the same, and its average too."""
+    with pytest.raises(ss.NotConverged, match="not enclosed"):
+        ss.enclose(f"0.5 + {formula}", criterion, V=V, N=1, digits=5)
 
 
 @pytest.mark.parametrize("criterion", CRITERIA, ids=str)

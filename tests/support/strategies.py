@@ -1,6 +1,7 @@
 """Hypothesis strategies for laws with values and for operating points: of the catalogue, random, in pieces."""
 
 import warnings
+from random import Random
 
 from forms import LAWS
 from hypothesis import strategies as st
@@ -9,6 +10,9 @@ import stickslip_sym as ss
 
 _SMOOTH = ("exp(-{0})", "1/(1 + {0})", "log(1 + {0})", "tanh({0})", "atan({0})", "asinh({0})", "sech({0})",
            "exp(-({0})^2)", "sqrt(1 + {0})", "1/(1 + ({0})^2)")  # fmt: skip
+_INNER = (*_SMOOTH, "erf({0})", "sin({0})", "({0})^1.7", "({0})^2/(1 + {0})")
+_OUTER = ("sqrt(0.1 + {1}*({0})^2)", "(1 + {1}*({0})^2)^(-0.7)", "1/(1 + {1}*({0})^2)", "exp(-{1}*({0}))",
+          "log(1 + {1}*({0})^2)", "tanh({1}*({0}))", "atan(1 - {1}*({0}))", "({1} + ({0})^2)^(1/3)")  # fmt: skip
 _KINKED = ("Abs({0} - 1)", "Min({0}, 1)", "Max({0} - 0.5, 0)", "Piecewise((0, v < {1}), {0} - v/{1})")
 
 
@@ -16,6 +20,14 @@ def _number(low: float, high: float) -> st.SearchStrategy[str]:
     """Decimals of up to 17 digits, as people and fits give them."""
     digits = st.integers(1, 17)
     return st.builds(lambda x, n: f"{x:.{n}g}", st.floats(low, high), digits)
+
+
+def nested(rng: Random) -> ss.FrictionLaw:
+    """A law of functions within functions, whose balls are wide where those of a catalogue law are not."""
+    formula = rng.choice(_INNER).format(f"v/{10 ** rng.uniform(-2, 0.5):.3g}")
+    for _ in range(rng.choice((1, 1, 2))):
+        formula = rng.choice(_OUTER).format(formula, f"{10 ** rng.uniform(-1.5, 1.5):.3g}")
+    return ss.FrictionLaw(f"0.3 + 0.2*{formula}")
 
 
 @st.composite

@@ -92,7 +92,7 @@ class Values:
         pieces = [branch_from(profile, point, place) for place in (*inner, outer)]
         self.last_piece = pieces[-1]
         self._slopes = [ball_function(slope_of(piece), symbols.v, point) for piece in pieces]
-        self._jumps = [_reals(jump, point) for jump in jumps(profile)]
+        self._jumps = [_reals(jump, point) for jump in jumps(profile, point)]
         mean_slope, shapes = MeanSlope(profile, criterion, list(point)), [float(value) for value in point.values()]
         self.mean_slope: Callable[[FloatArray], FloatArray] = lambda r: mean_slope(r, *shapes)
         self.reach = reach_of(profile, point)

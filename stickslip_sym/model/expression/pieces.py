@@ -6,7 +6,6 @@ functions) knows one kind of kink only, one in a term, and knows exactly where i
 
 from collections.abc import Mapping, Sequence
 from functools import reduce
-from itertools import pairwise
 from typing import NamedTuple, TypeAlias
 
 import sympy as sp
@@ -121,17 +120,19 @@ def kinks_at(expr: Expr, point: Mapping[Expr, Expr], what: str = "mu") -> list[E
     return sorted(speed for speed in speeds if speed > 0)
 
 
-def jumps(expr: Expr) -> list[tuple[Expr, Expr]]:
-    """Return the places where an expression itself may jump, and by how much: its right minus its left limit."""
+def jumps(expr: Expr, point: Mapping[Expr, Expr]) -> list[tuple[Expr, Expr]]:
+    """Return the slip speeds v > 0 where an expression itself may jump, and its right minus its left limit.
+
+    Both are formulas, of the pieces that meet there at the values of the parameters.
+    """
+    formulas = {number_at(place, point): chosen(place, point) for place in places(expr)}
     heights: list[tuple[Expr, Expr]] = []
-    for node in kinked(expr):
-        place: Expr = None
-        for (left, end), (right, _) in pairwise(_ends(node)):
-            # A piece that ends before it begins is empty: the jumps into it and out of it meet at one place.
-            place = end if place is None or (end - place).is_positive else sp.Max(place, end)
-            height = sp.expand((expr.xreplace({node: right}) - expr.xreplace({node: left})).subs(symbols.v, place))
-            if height != 0:
-                heights.append((place, height))
+    left = branch_from(expr, point, sp.Integer(0))
+    for speed in kinks_at(expr, point):
+        place, right = formulas[speed], branch_from(expr, point, speed)
+        if (height := sp.expand((right - left).subs(symbols.v, place))) != 0:
+            heights.append((place, height))
+        left = right
     return heights
 
 

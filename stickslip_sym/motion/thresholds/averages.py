@@ -95,7 +95,7 @@ def _of_jumps(law: FrictionLaw, criterion: Criterion, V: FloatArray, name: str) 
     found = np.zeros_like(V)
     if criterion.weight is None:
         return found
-    for jump, height in jumps(law.expr):
+    for jump, height in jumps(law.expr, law.point):
         moved = -jump if name == "V" else sp.diff(jump, law.parameters[name].symbol)
         at, by, size = (law.number(part) for part in (jump, moved, height))
         kernel = criterion.kernel.subs(symbols.v, at)

@@ -10,10 +10,12 @@ import pytest
 import sympy as sp
 from flint import arb
 from scipy.integrate import solve_ivp
+from strategies import nested
 from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core.precision import working_precision
+from stickslip_sym.model.lipschitz import lipschitz_evidence
 from stickslip_sym.motion.thresholds import boxes, theorem
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, flow, transit
 from stickslip_sym.motion.thresholds.theorem import checked_hypotheses, prove_threshold
@@ -133,6 +135,58 @@ def test_a_step_holds_the_motion(name):
             assert not bare.at(bare.time)[1].overlaps(fine.at(bare.time)[1])
 
 
+def by_chebyshev(rate, q, w, time, nodes=40):
+    """Return w after a time, by mpmath: w' as a polynomial through Chebyshev points, iterated until it stays."""
+    angles = [mpmath.pi * (k + MP(0.5)) / nodes for k in range(nodes)]
+
+    def rise(k, angle):  # the integral of T_k from -1
+        if k == 0:
+            return mpmath.cos(angle) + 1
+        if k == 1:
+            return (mpmath.cos(angle) ** 2 - 1) / 2
+        top, low = (mpmath.cos((k + one) * angle) / (k + one) for one in (1, -1))
+        return (top - low) / 2 - MP(-1) ** k / (k * k - 1)
+
+    table = [[rise(k, angle) * time / 2 for k in range(nodes)] for angle in (*angles, MP(0))]
+    series = [[mpmath.cos(k * angle) * (2 - (k == 0)) / nodes for angle in angles] for k in range(nodes)]
+    all_q, all_w = [q] * nodes, [w] * nodes
+    for _ in range(80):
+        before = all_w[-1]
+        rates = [1 - x for x in all_w[:nodes]], [rate(*state) for state in zip(all_q, all_w[:nodes], strict=False)]
+        series_of = [[mpmath.fdot(line, values) for line in series] for values in rates]
+        all_q, all_w = (
+            [start + mpmath.fdot(row, terms) for row in table]
+            for start, terms in zip((q, w), series_of, strict=True)
+        )
+        if abs(all_w[-1] - before) < MP("1e-42"):
+            return all_w[-1]
+    raise AssertionError("the iteration has not settled")
+
+
+@sweep("count", [3, 300], 3)
+def test_a_step_of_a_random_law_is_mpmath_s(count):
+    """To 35 digits, for functions within functions; six terms without what they leave over are another motion."""
+    rng = random.Random(9)
+    for _ in range(count):
+        law, c = nested(rng), rng.randint(1, 400)
+        with working_precision(200), mpmath.workdps(45):
+            (field, *_) = point(law).segments(R(c, 100))
+            q, w = arb(rng.uniform(-1, 2)), arb(rng.uniform(0.05, 2.5))
+            fine, rough = flow(field, q, w, 90), flow(field, q, w, 6)
+            bare = boxes.Flow(rough.q, rough.w, rough.time, arb(0), arb(0))
+            friction = law.function("mpmath")
+            push = MP("1.962") * friction(MP("1e-60"))
+
+            def rate(q, w, push=push, friction=friction, c=c):
+                return push - MP("1.962") * friction(w / 2) - MP(c) / 1000 * w + q
+
+            truth = by_chebyshev(rate, MP(float(q)), MP(float(w)), MP(float(fine.time)))
+            truth = arb(mpmath.nstr(truth, 42)) + arb(0, 1e-36)
+            assert (fine.at(fine.time)[1] - truth).abs_upper() < 1e-35, law
+            assert rough.at(fine.time)[1].overlaps(truth), law
+            assert not bare.at(fine.time)[1].overlaps(truth), law
+
+
 def test_the_remainder_bound_is_sharp():
     """In a field that is nearly constant what no terms leave over is all of the way: a part of the bound fails."""
     rng = random.Random(5)
@@ -178,6 +232,23 @@ def test_the_highest_slip_speed_is_bounded(name):
     highest = transit(point(law), R(c), 64).highest
     assert highest.lower() - 1e-6 < seen < highest.upper() + 1e-6
     assert highest.rad() < 1e-3
+
+
+CONTINUOUS = ("0.6 - 0.1*Min(v, {0})", "Max(0.2, 1 - v/{0})", "0.3 + Abs(v - {0})", "Max(exp(-v/{0}), 0.3)")
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_kinks_in_several_factors_are_no_jumps(seed):
+    """Whichever comes first, and where they come at one speed; a jump among them is seen."""
+    rng = random.Random(seed)
+    factors = zip(rng.sample(CONTINUOUS, 2), "uw", strict=True)
+    formula = "*".join(f"({factor.format(name)})" for factor, name in factors)
+    values = {name: rng.choice((R(4, 5), 1, R(5, 4), 2)) for name in "uw"}
+    assert lipschitz_evidence(ss.FrictionLaw(formula).bind(**values))[0]
+    jumping = ss.FrictionLaw(f"{formula}*Piecewise((1, v < d), (b, True))").bind(
+        **values, d=rng.choice((1, 3)), b=2
+    )
+    assert lipschitz_evidence(jumping) == (False, "mu jumps at v = d")
 
 
 @pytest.mark.parametrize(
