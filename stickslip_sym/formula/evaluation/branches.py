@@ -19,7 +19,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray, Numbers
 from stickslip_sym.core.lambdify import function_of, is_multiplied, power_of
 
-_BEFORE = 3  # the left end, the origin and the centre of a panel stand before its coefficients
+_BEFORE = 4  # the left end, the origin, the centre and 1/half the width of a panel stand before its coefficients
 
 
 def horner(coefficients: Sequence[float], z: Numbers) -> Numbers:
@@ -84,9 +84,9 @@ class Sum:
 class Table:
     """G as polynomials in panels.
 
-    A row is a panel: its left end, the origin o, the centre, then the coefficients of powers of y - centre. Here
-    y is r, or sqrt(r - o) where o is a number: beyond a kink the average under a weight that ends like a square
-    root is analytic in that.
+    A row is a panel: its left end, the origin o, the centre and the inverse of half the width in y, then the
+    coefficients of powers of (y - centre) over that half. Here y is r, or sqrt(r - o) where o is a number: beyond
+    a kink the average under a weight that ends like a square root is analytic in that.
     """
 
     rows: FloatArray
@@ -108,18 +108,19 @@ class Table:
         """Return G."""
         if isinstance(r, float):
             row = self._lists[max(bisect_right(self._lists, r, key=lambda row: row[0]) - 1, 0)]
-            y = (r if math.isnan(row[1]) else math.sqrt(abs(r - row[1]))) - row[2]
+            y = ((r if math.isnan(row[1]) else math.sqrt(abs(r - row[1]))) - row[2]) * row[3]
             value = row[-1]
             for coefficient in row[-2 : _BEFORE - 1 : -1]:
                 value = value * y + coefficient
             return value
-        edges, origins, centres, *coefficients = self._columns
+        edges, origins, centres, scales, *coefficients = self._columns
         panel = np.searchsorted(edges[1:], r, side="right")
         position = r
         if self._has_roots:
             origin = origins[panel]
             position = np.where(np.isfinite(origin), np.sqrt(np.abs(r - origin)), r)
         position = position - centres.take(panel)
+        position *= scales.take(panel)
         total, here = coefficients[-1].take(panel), np.empty_like(r)
         for column in coefficients[-2::-1]:
             total *= position

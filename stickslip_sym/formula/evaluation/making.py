@@ -1,31 +1,49 @@
-"""How the branches of an average are made: once for a profile, from values in ball arithmetic alone.
+"""How the branches of an average are made: once for a profile, from its structure and values in ball arithmetic.
 
-- For small and for large r a power of r times a polynomial in r or 1/r, or in a root of it; for small r with an
-  exponential taken out, and where it has to be beside others times log(r) or powers of r.
+- Near rest and far out the generalised power series of `expansion`, as polynomials; near rest with an exponential
+  taken out where they reach further so.
 - The closed form, from where on a dense comparison with balls says that it does not cancel.
 - Polynomials in panels for what lies between.
+
+Each is compared with balls at its ends and between them before it is used.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache, partial
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 import sympy as sp
-from flint import acb, arb, arb_mat, arb_poly
+from flint import arb
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
-from stickslip_sym.core.balls import ball_value, rational
 from stickslip_sym.core.functions import elementary, row
-from stickslip_sym.core.precision import working_precision
+from stickslip_sym.core.precision import refined, working_precision
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.enclosure import average_ball
 from stickslip_sym.formula.evaluation.branches import Branch, Branches, Sum, Table, value_of
+from stickslip_sym.formula.evaluation.expansion import (
+    Powers,
+    Series,
+    Unexpanded,
+    expanded,
+    far_out,
+    near_rest,
+    unit_of,
+)
 from stickslip_sym.formula.evaluation.interpolation import chebyshev
-from stickslip_sym.formula.evaluation.values import BITS, MeanSlope, Unresolved, Values, slope_of
+from stickslip_sym.formula.evaluation.values import (
+    BITS,
+    SMALLEST,
+    MeanSlope,
+    Unresolved,
+    Values,
+    scales_of,
+    slope_of,
+)
 from stickslip_sym.formula.proof.proving import Verdict
 
 _EPSILON = 2.0**-52
@@ -34,19 +52,20 @@ _CONDITION = 1.5  # of a polynomial: the sum of its terms' sizes over the size o
 _UNITS = 2.75  # of eps <|g'|>, by which a formula may differ from balls
 _WRITTEN = 16  # of the same, by which what is written as code may differ from the definition
 
-_HIGH = 60  # binary exponent of r up to which a profile is followed
-_WHERE = (60, 120, 300)  # binary exponents at which the power of r is read off by which F goes
-_POWERS = [sp.Rational(k, 2) for k in range(-12, 17)]  # that are tried for it, beside those of the profile
-_STRAIGHT, _LEVEL = 1e-6, 1e-4  # F over the right power of r is linear in log(r); with no slope it is constant
-_ENDS = {1: (11, 9, 7, 6, 5, 4, 3), -1: (-9, -6, -4, -3, -2, -1, 0, 1, 2, 3)}
-"""Binary exponents of the r from where, or up to where, one polynomial is tried."""
-_FIT_NODES, _TERMS = 27, 23  # of a polynomial that is then written in as few terms as it takes
-_LARGEST_ROOT = 4  # of r, in which a polynomial is tried too
+_FARTHEST = 40  # octaves beyond all scales of a profile up to which a closed form is compared
+_STEPS = 12  # octaves from a scale, or from a corner, within which a series begins to hold
+_GROUP = 3  # coefficients whose time a power of r before a polynomial takes
+_LARGEST = 2.0**960  # of a coefficient: its products with its power of r stay within range
+_MOST_BITS = 600  # of working precision for an enclosure of the definition: mu cancels by 2 bits an octave at rest
+_OCTAVES = (0.0, 0.4, 1.0, 1.7, 2.5, 4.0, 6.0, 9.0, 13.0, 20.0)
+"""From the end of a series, at which it is compared with balls: beyond, its first terms are left."""
+_LOST = 2.0  # octaves by which a series must reach further for an exponential before it to be worth its time
 
 _NODES = 19  # of a panel
 _SMOOTH = 0.5 * _EPSILON  # of <|g'|>: the last coefficients of a panel
-_PANELS = 4000  # at most
-_HALVINGS = 12  # of a panel that is not smooth
+_BETWEEN = (-1.0, 0.61803)  # from the middle of a panel, over half its width: where it is compared with balls
+_PANELS = 500  # at most; what takes more waves for ever
+_HALVINGS = 48  # of a panel that is not smooth: what is narrower than floats resolve is a kink
 _NEAR_KINK = 1.25  # times r at a kink: up to there the panel's variable is the square root
 
 _POINTS = 16  # in an octave, at which a closed form is compared; from 2^_MODERATE on 2
@@ -69,32 +88,53 @@ def branches_of(
 
 
 def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Mapping[Expr, Expr]) -> Verdict:
-    """Compare each branch with an enclosure of the definition at a speed in its range."""
+    """Compare each branch with enclosures of the definition: at its ends, between them, and far beyond."""
     mean_slope, values = MeanSlope(profile, criterion, list(shapes)), [float(x) for x in shapes.values()]
-    compared_at, ends = 0, [*branches.starts[1:], math.inf]
-    with working_precision(BITS):
-        for start, end in zip(branches.starts, ends, strict=True):
-            low = start or (end / 4 if end < math.inf else 1.0)
-            r = math.sqrt(low * min(end, 4 * low))
-            right = average_ball(profile, shapes, criterion, arb(r))
-            with np.errstate(all="ignore"):
-                value = float(branches(r))
-            if not right.is_finite() or math.isnan(value):
-                continue  # infinite at rest, or beyond the last speed: there is nothing to compare with
-            size = max(mean_slope(np.array([r]), *values)[0], abs(float(right)))
-            if not abs(float(right - arb(value))) <= _WRITTEN * _EPSILON * size:
-                return Verdict(Status.REFUTED, f"{value} at r = {r:g}, and by definition {float(right)}")
-            compared_at += 1
-    if not compared_at:
+    count = 0
+    for r in _looked_at(branches):
+        with np.errstate(all="ignore"):
+            value = float(branches(r))
+        size = max(mean_slope(np.array([r]), *values)[0], abs(value))
+        if math.isnan(value):
+            continue  # beyond the last speed
+
+        def right(r: float = r) -> arb:
+            return average_ball(profile, shapes, criterion, arb(r))
+
+        exact = refined(right, BITS // 2, _MOST_BITS)
+        if not exact.is_finite() or float(exact.rad()) > _EPSILON * size:
+            continue  # infinite at rest, or not enclosed: there is nothing to compare with
+        if not abs(float(exact - arb(value))) <= _WRITTEN * _EPSILON * size + SMALLEST:
+            return Verdict(Status.REFUTED, f"{value} at r = {r:g}, and by definition {float(exact)}")
+        count += 1
+    if not count:
         return Verdict(Status.ESTIMATED, "no enclosure of the definition to compare with")
-    return Verdict(Status.CHECKED, "each branch agrees with an enclosure of the definition")
+    return Verdict(
+        Status.CHECKED,
+        f"each branch agrees with enclosures of the definition, at its ends and between: {count} speeds",
+    )
 
 
-_Fit = Callable[[float], tuple[float, Branch] | None]
-"""From an r up to or from where a branch is tried to that r and the branch; None where it does not hold."""
-
-_Terms = tuple[tuple[Expr | None, int], ...]
-"""Functions, None for 1, and the number of terms of the polynomial that stands before each."""
+def _looked_at(branches: Branches) -> list[float]:
+    """Return the r at which branches are compared with the definition."""
+    places: list[float] = []
+    for start, end, branch in zip(
+        branches.starts, [*branches.starts[1:], math.inf], branches.branches, strict=True
+    ):
+        if isinstance(branch, Table):
+            edges = [*branch.rows[:, 0], end]
+            places += [x for low, high in pairwise(edges) for x in (low, (low + high) / 2)]
+        elif start and end < math.inf:
+            steps = np.linspace(0, 1, 2 + math.ceil(2 * math.log2(end / start)))
+            places += [start * (end / start) ** step for step in steps[:-1]]
+        else:
+            places += (
+                [start * 2.0**k for k in _OCTAVES]
+                if start
+                else [(end if end < math.inf else 1.0) / 2.0**k for k in _OCTAVES]
+            )
+        places.append(math.nextafter(end, 0.0) if end < math.inf else places[-1])
+    return list(dict.fromkeys(float(x) for x in places))
 
 
 class _Builder:
@@ -109,14 +149,8 @@ class _Builder:
             self.closed = -elementary(slope_of(self.values.last_piece)).subs(symbols.v, symbols.V).xreplace(point)
         # Each r beyond which a kink counts, as a float, and what it is exactly: a root grows from there.
         self.corners = {float(r): r for r in (kink / (1 if self.local else 2) for kink in self.values.kinks)}
-        powers = [node for node in profile.atoms(sp.Pow) if node.base.has(symbols.v)]
-        exponents = {node.exp.xreplace(point) for node in powers}
-        self.roots = sorted({int(e.q) for e in exponents if e.is_Rational and 2 < e.q <= _LARGEST_ROOT})
-        # The e of v^e if v occurs, apart from whole powers, in that way only.
-        fractional = [
-            e for e in {node.exp.xreplace(point) for node in powers if node.base == symbols.v} if not e.is_Integer
-        ]
-        self.exponent = fractional[0] if len(fractional) == 1 else None
+        lowest, highest = scales_of(profile, point)
+        self.lowest, self.highest = min([lowest, *self.corners]), max([highest, *self.corners])
         self.panels = 0
 
     def build(self) -> Branches | None:
@@ -124,14 +158,18 @@ class _Builder:
         if (whole := self._powers_alone()) is not None:
             return whole
         reach = self.values.reach
+        nothing = Sum(0.0, 1.0, ((None, (math.nan,)),))
         if reach < math.inf and self.local:
             return Branches((0.0,), (Sum(0.0, 1.0, ((self.closed, (1.0,)),)),))
-        last = (
-            (self.values.end / 2, Sum(0.0, 1.0, ((None, (math.nan,)),))) if reach < math.inf else self._end(1, 0.0)
-        )
-        direct = self._direct(last[0] if last else 2.0**_HIGH) if reach == math.inf else None
+        last, direct = (self.values.end / 2, nothing) if reach < math.inf else self._far_out(), None
+        if reach == math.inf:
+            direct = self._direct(last[0] if last else self.highest * 2.0**_FARTHEST)
+        if last is None and direct is None:
+            last = self.highest * 2.0**_FARTHEST, nothing
+            if not self._fit([], last[0] / 2, last[0], None, 1):
+                return None  # it waves for ever
         outer = [pair for pair in (direct, last) if pair is not None]
-        first = self._end(-1, outer[0][0]) if outer else None
+        first = self._near_rest(outer[0][0])
         if first is None:
             return None
         (opened, branch), stop = first, outer[0][0]
@@ -167,113 +205,65 @@ class _Builder:
 
     # -- the ends ----------------------------------------------------------------------------------
 
-    def _end(self, side: int, stop: float) -> tuple[float, Branch] | None:
-        """Fit F for all small r, side -1, or for all large ones; return up to or from where, and the branch.
-
-        It is a power of r times a polynomial in r or 1/r, or in a root of it, or several such beside each other.
-        """
-        asymptote = self._asymptote(side)
-        if asymptote is None:
+    def _near_rest(self, stop: float) -> tuple[float, Branch] | None:
+        """Return up to where the series at rest is F, and the branch, with an exponential if that helps."""
+        slope = slope_of(self.values.first_piece)
+        unit, best = unit_of(slope, self.point, self.criterion), None
+        edge = min([stop, *self.corners])
+        try:
+            series = near_rest(expanded(slope, self.point, unit, far=False), self.criterion, unit)
+            for decay in self._decays():
+                factor = Series({(0, 0): arb(1)}) if decay is None else expanded(1 / decay, {}, unit, far=False)
+                pair = self._written(series * factor, unit, -1, min(edge, self.lowest * 2.0**_STEPS), decay)
+                if pair is not None and (best is None or pair[0] >= best[0] * 2.0**_LOST):
+                    best = pair
+        except Unexpanded:
             return None
-        power, logarithm = asymptote
-        steps = [sp.Rational(1, root) for root in (1, 2, *self.roots)]
-        fits: list[tuple[Expr, _Fit]] = [
-            (step, partial(self._mixed, side, power, step, parts))
-            for step in steps[:2]
-            for parts in self._mixtures(side, power, logarithm)
-        ]
-        if not logarithm:
-            steps += [self.exponent] if side < 0 and self.exponent is not None else []
-            plain = [(step, function) for step in steps for function in self._decays(side)]
-            fits = [(step, partial(self._plain, side, power, step, f)) for step, f in plain] + fits
-        bound = min if side < 0 else max
-        corner, edge = bound([1.0, *self.corners]), bound([stop, *self.corners])
-        for step, fit in fits:
-            ends = [corner * 2.0 ** (exponent * max(1.0, 0.5 / float(step))) for exponent in _ENDS[side]]
-            if (pair := _farthest([bound(end, edge) for end in ends], fit)) is not None:
-                return pair
-        return None
+        return best
 
-    def _asymptote(self, side: int) -> tuple[Expr, bool] | None:
-        """Return the power of r by which F goes at an end, and whether it is times log(r) too."""
-        powers = _POWERS
-        if self.exponent is not None:
-            powers = [*_POWERS, *(sign * self.exponent - n for sign in (1, -1) for n in (1, 2))]
-        for exponent in _WHERE:
-            r = [arb(2) ** (side * exponent + k) for k in (0, 1, 2)]
-            values = [self.values(x) for x in r]
-            if all(value == 0 for value in values):
-                return sp.S.Zero, False
-            if any(value.contains(0) or not value.is_finite() for value in values):
-                continue
-            for power in powers:
-                y = [value * x ** -arb(rational(power)) for value, x in zip(values, r, strict=True)]
-                rises = [float((b - a) / y[0]) for a, b in pairwise(y)]
-                if abs(rises[1] - rises[0]) < _STRAIGHT:
-                    return power, abs(rises[0]) > _LEVEL
-        return None
-
-    def _decays(self, side: int) -> list[Expr | None]:
-        """Return what may stand before a polynomial for small r: an exponential, or nothing."""
+    def _decays(self) -> list[Expr | None]:
+        """Return what may stand before a series at rest: nothing, or an exponential."""
         rates = [
             -node.exp.coeff(symbols.v) for node in self.profile.atoms(sp.exp) if node.exp.is_polynomial(symbols.v)
         ]
         rates = [float(rate) for rate in rates if rate.is_number and rate.is_positive]
-        return [sp.exp(-sp.Float(min(rates)) * symbols.V), None] if side < 0 and rates else [None]
+        return [None, sp.exp(-sp.Rational(min(rates)) * symbols.v)] if rates else [None]
 
-    def _plain(
-        self, side: int, power: Expr, step: Expr, function: Expr | None, end: float
-    ) -> tuple[float, Branch] | None:
-        """Fit F by r^power f(r) P(z), z = r^step or r^-step, up to or from where r is `end`."""
-        exponent, last = -side * step, arb(end) ** arb(rational(-side * step))
-
-        def scaled(z: arb) -> arb:
-            r = z ** arb(rational(1 / exponent))
-            before = r ** arb(rational(power))
-            return self.values(r) / (before if function is None else before * _at(function, r))
-
-        coefficients = _shortest(scaled, last)
-        if coefficients is None:
-            return None
-        sizes = np.abs(coefficients) * float(last) ** np.arange(len(coefficients))
-        if not sizes.sum() <= _CONDITION * abs(np.dot(np.sign(coefficients), sizes)):
-            return None
-        stride = 2 if (sizes[1::2] <= _NEGLIGIBLE**2 * sizes.max()).all() else 1
-        parts = ((function, tuple(coefficients[::stride])),)
-        return end, _sum(power, exponent * stride, parts)
-
-    def _mixtures(self, side: int, power: Expr, logarithm: bool) -> Sequence[_Terms]:
-        """Return functions that may stand beside each other, and the number of terms of their polynomials."""
-        V, e = symbols.V, self.exponent
-        beside_logarithm: list[_Terms] = [((None, 18), (sp.log(V), 8))]
-        if e is None or logarithm:
-            return beside_logarithm
-        if side < 0:
-            return [*beside_logarithm, ((None, 10), (V**e, 7), (V ** (2 * e), 5), (V ** (3 * e), 4))]
-        # Far out there are powers of the slope there, and of the weight near v = 0.
-        offsets = {(other - power) % 1 for other in (e - 1, -e - 1, -1 - self.criterion.order_at_rest)} - {0}
-        return [*beside_logarithm, *(((None, 13), (V ** (offset - 1), 13)) for offset in offsets)]
-
-    def _mixed(self, side: int, power: Expr, step: Expr, terms: _Terms, end: float) -> tuple[float, Branch] | None:
-        """Fit F by r^power times a sum of functions times polynomials, through values at nodes."""
-        exponent, last = -side * step, arb(end) ** arb(rational(-side * step))
-        nodes = [(1 + t) / 2 for t in chebyshev(sum(count for _, count in terms)).nodes]  # of z over the last one
-        speeds = [(x * last) ** arb(rational(1 / exponent)) for x in nodes]
-        rows = [
-            [factor * x**k for f, count in terms for factor in [_at(f, r)] for k in range(count)]
-            for x, r in zip(nodes, speeds, strict=True)
-        ]
-        values = [[self.values(r) * r ** -arb(rational(power))] for r in speeds]
+    def _far_out(self) -> tuple[float, Branch] | None:
+        """Return from where the series in 1/r is F, and the branch."""
+        slope = slope_of(self.values.last_piece)
+        unit = unit_of(slope, self.point, self.criterion)
         try:
-            solution = iter(arb_mat(rows).solve(arb_mat(values)).entries())
-        except (ZeroDivisionError, ValueError):
-            return None
-        parts = tuple((f, tuple(float(next(solution) / last**k) for k in range(count))) for f, count in terms)
-        branch = _sum(power, exponent, parts)
-        # At the last nodes it is not as good as beyond them.
-        octaves = np.concatenate([np.arange(2, 6, 1 / 3), np.arange(6, _HIGH, 4)])
-        r = end * 2.0 ** (side * octaves)
-        return (float(r[0]), branch) if self._agreed(branch, r) == r.size else None
+            series = expanded(slope, self.point, unit, far=True)
+            first = math.ceil(math.log2(self.highest))
+            for octave in range(first + 2, first + _STEPS):
+                end = arb(2) ** octave
+                weight, moments = self.values.moments(end)
+                whole = far_out(series, self.criterion, unit, end, weight, moments)
+                if (pair := self._written(whole, unit, 1, float(end) / 2, None)) is not None:
+                    return pair
+        except Unexpanded:
+            pass
+        return None
+
+    def _written(
+        self, series: Series, unit: int, side: int, edge: float, function: Expr | None
+    ) -> tuple[float, Branch] | None:
+        """Return from where, or up to where, a series holds as far as it goes, and the branch."""
+        for half in range(8 * _STEPS):
+            end = edge * 2.0 ** (side * half / 2)
+            if end > self.highest * 2.0**_STEPS:
+                return None
+            kept = _kept(series, arb(end) ** (-side), unit)
+            if kept is None:
+                continue
+            branch = _of_series(kept, unit, side, function)
+            points = end * 2.0 ** (side * np.array(_OCTAVES))
+            if self._agreed(branch, points) == points.size:
+                return end, branch
+            if side > 0:
+                return None  # what is smaller than any power still counts, or a series that diverges
+        return None
 
     # -- what lies between -------------------------------------------------------------------------
 
@@ -295,7 +285,7 @@ class _Builder:
         """Return at how many of some r, from the first on, a branch agrees with balls."""
         with np.errstate(all="ignore"):
             values = np.asarray(value_of(branch, r))
-        allowed = _UNITS * _EPSILON * self.values.mean_slope(r)
+        allowed = _UNITS * _EPSILON * np.fmax(self.values.mean_slope(r), np.abs(values)) + SMALLEST
         for i, (x, value, most) in enumerate(zip(r, values, allowed, strict=True)):
             if not abs(float(self.values(arb(float(x))) - arb(float(value)))) <= most:
                 return i
@@ -325,11 +315,19 @@ class _Builder:
         coefficients = chebyshev(_NODES).coefficients(values)
         middle = (left + right) / 2 if origin is None else float(origin + centre**2)
         size = max(self.values.mean_slope(np.array([left, middle, right])).min(), abs(float(coefficients[0])))
-        if max(abs(float(c)) for c in coefficients[-2:]) <= _SMOOTH * size:
-            powers = chebyshev(_NODES).monomials(coefficients)(arb_poly([0, 1 / arb(half)]))
-            row = [float(powers[k]) for k in range(_NODES)]
-            rows.append([left, math.nan if origin is None else origin, centre, *row])
-            return True
+        smooth = max(abs(float(c)) for c in coefficients[-2:]) <= _SMOOTH * size
+        # An average of the slope is smooth on its whole width; the slope itself may be narrow between the nodes.
+        if smooth and (not self.local or self.values.bounded(left, right, max(abs(float(x)) for x in values))):
+            powers = chebyshev(_NODES).monomials(coefficients)
+            for t in _BETWEEN:
+                x = arb(centre) + arb(t) * arb(half)
+                value = self.values(x if origin is None else self.corners[origin] + x * x)
+                if not abs(float(powers(arb(t)) - value)) <= _UNITS * _EPSILON * size:
+                    break
+            else:
+                row = [float(powers[k]) for k in range(_NODES)]
+                rows.append([left, math.nan if origin is None else origin, centre, 1 / half, *row])
+                return True
         return halvings > 0 and self.panels < _PANELS and all(
             self._fit(rows, *part, origin, halvings - 1) for part in ((left, middle), (middle, right))
         )  # fmt: skip
@@ -348,37 +346,55 @@ def _sum(power: Expr, variable: Expr, parts: Sequence[tuple[Expr | None, tuple[f
     return Sum(float(power), float(variable), tuple(parts))
 
 
-def _at(function: Expr | None, r: arb) -> arb:
-    return arb(1) if function is None else ball_value(function, {symbols.V: acb(r)}).real
-
-
-def _farthest(ends: Sequence[float], fit: _Fit) -> tuple[float, Branch] | None:
-    """Return the last of some fits that holds, by bisection; None where the first one does not."""
-    best, high = fit(ends[0]), len(ends)
-    low = 0
-    while best is not None and high - low > 1:
-        middle = (low + high) // 2
-        if (pair := fit(ends[middle])) is None:
-            high = middle
-        else:
-            best, low = pair, middle
-    return best
-
-
-def _shortest(function: Callable[[arb], arb], end: arb) -> list[float] | None:
-    """Return the polynomial in z, in as few terms as possible, that equals a function on [0, end] in floats."""
-    machine = chebyshev(_FIT_NODES)
-    values = [function((1 + t) / 2 * end) for t in machine.nodes]
-    if not all(value.is_finite() for value in values):
+def _kept(series: Series, x: arb, unit: int) -> Powers | None:
+    """Return the terms of a series that count at x and below it; None where it is cut too early, or cancels."""
+    logarithm = x.log()
+    balls = {(e, n): c * x ** (arb(e) / unit) * logarithm**n for (e, n), c in series.terms.items()}
+    largest = max(
+        (abs(ball) for ball in balls.values()),
+        key=lambda ball: ball.mid().man_exp()[1] + ball.mid().man_exp()[0].bit_length(),
+        default=arb(1),
+    )
+    shares = {key: float(ball / largest) for key, ball in balls.items()}
+    total, size = sum(shares.values()), sum(map(abs, shares.values()))
+    if not size <= _CONDITION * abs(total):
+        return {} if not series.terms and series.top == math.inf else None
+    least = _NEGLIGIBLE * abs(total)
+    late = series.top - (series.top - series.low) / 4 if series.top < math.inf else math.inf
+    if any(e >= late and abs(share) > least for (e, _), share in shares.items()):
         return None
-    coefficients = machine.coefficients(values)
-    least = min(abs(float(value)) for value in values) * _NEGLIGIBLE
-    rest = np.cumsum([abs(float(c)) for c in coefficients[::-1]])[::-1]
-    kept = max(int((rest >= least).sum()), 1)
-    if kept > _TERMS:
-        return None
-    in_z = machine.monomials(coefficients[:kept])(arb_poly([-1, 2 / end]))
-    return [float(in_z[k]) for k in range(kept)]
+    rest, kept = 0.0, {key: c for key, c in series.terms.items() if abs(float(balls[key])) > SMALLEST}
+    for key in sorted(shares, reverse=True):
+        rest += abs(shares[key])
+        if rest > least:
+            break
+        kept.pop(key, None)
+    return kept if all(1 / _LARGEST < abs(float(c)) < _LARGEST for c in kept.values()) else None
+
+
+def _of_series(terms: Powers, unit: int, side: int, function: Expr | None) -> Sum:
+    """Write a series as one power of r times polynomials in another, beside powers and a logarithm if need be."""
+    low = min((e for e, _ in terms), default=0)
+    offsets = [e - low for e, _ in terms]
+
+    def polynomials(step: int) -> dict[tuple[int, int], list[float]]:
+        groups: dict[tuple[int, int], list[float]] = {}
+        for (e, n), c in terms.items():
+            k, rest = divmod(e - low, step)
+            group = groups.setdefault((rest, n), [])
+            group += [0.0] * (k + 1 - len(group))
+            group[k] = float(c)
+        return groups
+
+    steps = {math.gcd(*offsets) or unit, unit, min((o for o in offsets if o), default=unit)}
+    written = {step: polynomials(step) for step in sorted(steps)}
+    step = min(written, key=lambda step: sum(_GROUP + len(group) for group in written[step].values()))
+    parts = []
+    for (rest, n), coefficients in sorted(written[step].items()) or [((0, 0), [0.0])]:
+        before = symbols.V ** sp.Rational(-side * rest, unit) * (-side * sp.log(symbols.V)) ** n
+        before *= 1 if function is None else function.subs(symbols.v, symbols.V)
+        parts.append((None if before == 1 else before, tuple(coefficients)))
+    return _sum(sp.Rational(-side * low, unit), sp.Rational(-side * step, unit), parts)
 
 
 def _as_sum(closed: Expr) -> Sum | None:

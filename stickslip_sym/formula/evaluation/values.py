@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 import sympy as sp
@@ -22,7 +22,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_value, rational
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.functions import without_squares
+from stickslip_sym.core.functions import arguments, without_squares
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria.criterion import Criterion
@@ -31,6 +31,8 @@ from stickslip_sym.model.expression.pieces import branch_from, jumps, kinks_at
 
 BITS = 110
 """The working precision of values."""
+SMALLEST = 2.0**-1000
+"""What is less counts as 0: floats end there."""
 
 _ENOUGH = 70  # bits of relative accuracy that a value of the closed form needs
 _PLACES = (0.3, 0.6, 0.9, 2.2, 17.0)  # r at which a closed form is checked, over 1 or the largest one
@@ -42,12 +44,16 @@ _INTEGRATED = 2.0**-31  # of the same in the innermost panel, where the rule alo
 _EXACT = 2.0**-80  # of the largest coefficient: the last ones that are smaller are left out
 _NEGLIGIBLE = 2.0**-72  # of the moment of |g'|: a piece that need not be resolved
 _NOISE = 8  # times the radius of a ball around the slope: where the slope cancels no piece is resolved better
-_HALVINGS = 10  # of a piece
+_MOST_PIECES = 40  # in an octave: a value takes all of them, and a table takes thousands of values
+_OVERSHOOT = 4  # times the largest slope at the nodes of a piece, which no slope between them may exceed
+_QUARTERS = 5  # halvings of a piece for balls that bound its slope
 _EXPANSION = 80  # terms of a weight that is no polynomial, which is expanded up to r
 _CLOSE = 5  # octaves from r to the innermost panel, at least
+_DEEP = 800  # bits of working precision in the innermost panel, which ends 40 octaves below 1 with x to the 16th
 _DEEPEST = -40  # octaves below that of the lowest kink, or below 1, where the innermost panel is looked for
 _LARGEST_ORDER = 16
 _P, _Q = sp.symbols("p q", cls=sp.Dummy)
+_LONGEST_LOG = 600.0  # of a scale: no speed in floats is further from 1 by its square
 _BEFORE_THE_END = 2.0**-9  # of the speed at which a profile ends: nearer to it there are no values
 
 _Exact = tuple[int, int]
@@ -90,8 +96,8 @@ class Values:
         inner = [sp.Rational(float(low + high) / 2) for low, high in pairwise([arb(0), *self.kinks])]
         outer = sp.Rational(float(2 * self.kinks[-1])) if self.kinks else sp.Integer(1)
         pieces = [branch_from(profile, point, place) for place in (*inner, outer)]
-        self.last_piece = pieces[-1]
-        self._slopes = [ball_function(slope_of(piece), symbols.v, point) for piece in pieces]
+        self.first_piece, self.last_piece = pieces[0], pieces[-1]
+        self._slopes = [ball_function(_centred(slope_of(piece)), symbols.v, point) for piece in pieces]
         self._jumps = [_reals(jump, point) for jump in jumps(profile, point)]
         mean_slope, shapes = MeanSlope(profile, criterion, list(point)), [float(value) for value in point.values()]
         self.mean_slope: Callable[[FloatArray], FloatArray] = lambda r: mean_slope(r, *shapes)
@@ -104,8 +110,10 @@ class Values:
         self._order = min(order, _LARGEST_ORDER)
         self._pieces: dict[int, list[_Piece]] = {}
         self._resolved_pieces: dict[tuple[float, float], list[_Piece]] = {}
+        self._left = 0  # pieces that an octave may still have
         self._close = max(_CLOSE, self._order)
-        highest = min([-self._close, *(math.frexp(float(kink))[1] - 1 for kink in self.kinks)])
+        lowest = math.frexp(scales_of(profile, point)[0])[1]
+        highest = min([lowest - self._close, *(math.frexp(float(kink))[1] - 1 for kink in self.kinks)])
         tried = range(highest, highest + _DEEPEST, -_CLOSE)
         self._first = next((octave for octave in tried if self._innermost(octave)[1]), tried[-1])
         self._formula: BallFunction | None = None
@@ -153,6 +161,22 @@ class Values:
                 total += height * weight.real / r
         return -total
 
+    def moments(self, end: arb) -> tuple[list[arb], list[arb]]:
+        """Return the terms of the weight, and the moment of g' with each up to an end 2^n, in units of that."""
+        if self.criterion.weight is None:
+            return [], []
+        pieces = self._pieces_up_to(self._first, end)
+        below = next(piece for piece in pieces if piece.high >= end)
+        weight, order = list(_in_powers(self.criterion)), 0 if self.criterion.is_polynomial else arb(1) / 2
+        moments = [below.average[j] for j in range(len(weight))]
+        for place, height in self._jumps:
+            if bool(place > 0):
+                moments = [
+                    m + height * w * (place / end) ** (order + j)
+                    for j, (m, w) in enumerate(zip(moments, weight, strict=True))
+                ]
+        return weight, [moment / end for moment in moments]
+
     def _slope(self, x: arb) -> BallFunction:
         return self._slopes[sum(1 for kink in self.kinks if bool(kink < x))]
 
@@ -171,7 +195,8 @@ class Values:
             high = min([octave, arb(self.end), *(kink.mid() for kink in self.kinks if low < kink.mid())])
             key = float(low), float(high)
             if key not in self._resolved_pieces:
-                self._resolved_pieces[key] = self._resolved(low, high, below.moment, _HALVINGS)
+                self._left = _MOST_PIECES
+                self._resolved_pieces[key] = self._resolved(low, high, below.moment)
             for piece in self._resolved_pieces[key]:
                 ratio = (below.high / piece.high).mid()
                 before = below.average(arb_poly([0, ratio]))
@@ -188,13 +213,14 @@ class Values:
         u = [(1 + t) / 2 for t in rule.nodes]
         places = [(end * x**order).mid() for x in u]
         rates = [order * end * x ** (order - 1) / 2 for x in u]
-        balls = [slope(acb(x), False).real * rate for x, rate in zip(places, rates, strict=True)]
+        with working_precision(_DEEP):  # so near to v = 0 differences vanish
+            balls = [slope(acb(x), False).real * rate for x, rate in zip(places, rates, strict=True)]
         heights, noise = _heights(balls)
         sizes = [abs(float(c)) for c in rule.coefficients(heights)]
         samples = [(x, h * w) for x, h, w in zip(places, heights, rule.weights, strict=True)]
         return samples, max(sizes[-2:]) <= _INTEGRATED * max(sizes) + _NOISE * noise
 
-    def _resolved(self, low: arb, high: arb, below: arb, halvings: int) -> list[_Piece]:
+    def _resolved(self, low: arb, high: arb, below: arb) -> list[_Piece]:
         """Return the slope between two places as one polynomial, or as those of both halves; `below` is a moment.
 
         A slope that stays no polynomial, however often it is halved, is `Unresolved`.
@@ -206,15 +232,33 @@ class Values:
         coefficients = [c.mid() for c in rule.coefficients(heights)]
         sizes, moment = [abs(float(c)) for c in coefficients], self._moment(samples)
         smooth = max(sizes[-2:]) <= _RESOLVED * max(sizes) + _NOISE * noise
-        if smooth or bool(moment <= _NEGLIGIBLE * below):
+        power = max(1, math.ceil(self.criterion.order_at_rest))
+        negligible = (_NEGLIGIBLE * below / ((high - low) * high**power)).max(arb(SMALLEST))
+        most = (_OVERSHOOT * max(map(abs, heights), key=float)).max(negligible) if smooth else negligible
+        if self._bounded(slope, low, high, most, _QUARTERS):
             least = max(_EXACT * max(sizes), noise)
             kept = max((k for k, size in enumerate(sizes, 1) if size > least), default=1)
             polynomial = _middles(rule.monomials(coefficients[:kept]))
             return [_Piece(low, high, polynomial, moment, self._average(samples, high))]
-        if halvings == 0:
+        self._left -= 2
+        if self._left < 0 or not bool(low < middle):
             raise Unresolved(f"{self.profile} is not resolved at v = {float(places[0]):g}")
         parts = ((low, middle), (middle, high))
-        return [piece for part in parts for piece in self._resolved(*part, below, halvings - 1)]
+        return [piece for part in parts for piece in self._resolved(*part, below)]
+
+    def bounded(self, low: float, high: float, most: float) -> bool:
+        """Say whether the slope nowhere between two speeds exceeds the largest at some, several times over."""
+        bound = (arb(most) * _OVERSHOOT).max(arb(SMALLEST))
+        return self._bounded(self._slope(arb(low + high) / 2), arb(low), arb(high), bound, _QUARTERS)
+
+    def _bounded(self, slope: BallFunction, low: arb, high: arb, most: arb, halvings: int) -> bool:
+        """Say whether balls hold the slope between two speeds below a bound: nothing narrow is missed there."""
+        middle, half = ((low + high) / 2).mid(), (high - low) / 2
+        ball = slope(acb(arb(middle, half.abs_upper())), False).real
+        if ball.is_finite() and bool(abs(ball) <= most):
+            return True
+        parts = ((low, middle), (middle, high))
+        return halvings > 0 and all(self._bounded(slope, *part, most, halvings - 1) for part in parts)
 
     def _moment(self, samples: Samples) -> arb:
         """Return what |g'| contributes to an average over all that is larger."""
@@ -266,6 +310,8 @@ def _reals(exprs: Iterable[Expr], point: Mapping[Expr, Expr]) -> list[arb]:
 
 def _heights(balls: Sequence[arb]) -> tuple[list[arb], float]:
     """Return the middles of balls, 0 for a constant that cancels and leaves a ball, and the largest radius."""
+    if not all(ball.is_finite() for ball in balls):
+        raise Unresolved("a slope that is not enclosed")
     return [arb(0) if one.contains(0) else one.mid() for one in balls], max(float(one.rad()) for one in balls)
 
 
@@ -300,6 +346,19 @@ def slope_of(profile: Expr) -> Expr:
     if isinstance(profile, sp.Piecewise):  # SymPy would compare all places again
         return sp.Piecewise(*((slope_of(piece), holds) for piece, holds in profile.args), evaluate=False)
     return without_squares(sp.Add(*map(_slope_of_term, sp.Add.make_args(profile))))
+
+
+def _centred(expr: Expr) -> Expr:
+    """Write each quadratic in v by its square, of which a ball is tight where v varies."""
+
+    def complete(node: Expr) -> Expr:
+        quadratic = sp.Poly(node, symbols.v)
+        if quadratic.degree() != 2:
+            return node
+        a, b, c = quadratic.all_coeffs()
+        return a * (symbols.v + b / (2 * a)) ** 2 + c - b**2 / (4 * a)
+
+    return expr.replace(lambda node: node.is_Add and node.is_polynomial(symbols.v), complete)
 
 
 def _slope_of_term(term: Expr) -> Expr:
@@ -386,3 +445,38 @@ def _first_zero(expr: Expr, parameters: list[Expr], values: list[float]) -> floa
     while low < (middle := (low + high) / 2) < high:
         low, high = (middle, high) if np.sign(function(middle, *values)) == signs[changes[0]] else (low, middle)
     return float(low)
+
+
+def scales_of(profile: Expr, point: Mapping[Expr, Expr]) -> tuple[float, float]:
+    """Return the lowest and the highest speed at which the formula of a profile changes its way; 1 is between.
+
+    In a sum of powers of v that is where two of them are equal and no other is larger; in the argument of a
+    function a 1 counts too.
+    """
+    scales = [1.0]
+    for node in profile.atoms(sp.Function, sp.Pow) - profile.atoms(sp.Piecewise):
+        is_power = node.is_Pow and node.base is not sp.E
+        for argument in node.args[:1] if is_power else arguments(node):
+            if argument != symbols.v and argument.has(symbols.v):
+                over, under = map(_monomials, sp.fraction(sp.together(argument.xreplace(dict(point)))))
+                scales += [s for terms in (over, under, over + under) for s in _turns(terms)]
+                scales += [] if is_power or len(under) > 1 else _turns([*over, (0.0, under[0][1])])
+    return min(scales), max(scales)
+
+
+def _monomials(expr: Expr) -> list[tuple[float, float]]:
+    """Return exponents of v and logarithms of the coefficients' sizes; nothing for what is no sum of powers."""
+    parts = [term.as_coeff_exponent(symbols.v) for term in sp.Add.make_args(sp.expand(expr))]
+    if any(not c.is_number or not e.is_Rational or c == 0 for c, e in parts):
+        return []
+    return [(float(e), float(sp.log(abs(c)).evalf())) for c, e in parts]
+
+
+def _turns(terms: list[tuple[float, float]]) -> list[float]:
+    """Return where two of some powers are equal and no other is larger."""
+    turns = []
+    for (e, a), (f, b) in combinations(terms, 2):
+        x = (a - b) / (f - e) if e != f else math.inf
+        if abs(x) < _LONGEST_LOG and all(c + g * x <= a + e * x + 1 for g, c in terms):
+            turns.append(math.exp(x))
+    return turns
