@@ -142,7 +142,7 @@ def _require_integrable(mu: Function, criterion: Criterion, speed: Expr) -> None
     if grows and nearer > 0:
         raise InputError(
             f"mu is infinite at v = 0+, faster than the weight of the criterion {criterion.name!r} allows, so it "
-            "has no value; cut mu off there"
+            "has no value; cut mu off there: write Max(v, v_c) for v"
         )
 
 

@@ -121,7 +121,7 @@ class Average:
         if strength.is_infinite or (order > 0 and strength is not sp.nan and sp.simplify(strength) != 0):
             raise NoClosedForm(
                 f"it is not integrable at v = 0+ with the weight of the criterion {self.criterion.name!r}, which "
-                "has no value; cut mu off there"
+                "has no value; cut mu off there: write Max(v, v_c) for v"
             )
 
     @cached_property

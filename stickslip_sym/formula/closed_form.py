@@ -321,6 +321,7 @@ def _derived(law: FrictionLaw, criterion: Criterion, search: bool, at: Progress)
     for term, average in form.averages:
         name = printing.text(term.expr)
         at(f"averaging {name}")
+        average.require_integrable()  # no other way gives what has no value
         try:
             average.find(_SEARCHING if search else 0.0, at)
         except NoClosedForm as failure:

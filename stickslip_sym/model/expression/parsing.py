@@ -1,19 +1,20 @@
 """Text to SymPy expressions, without ever evaluating text.
 
 A formula is cut into tokens and read by recursive descent; what is not listed here, or in the table of functions,
-does not exist. What people type is read where it has one meaning: Greek letters, ``2mu_s``, ``alpha v``, a left
-side ``mu(v) =``; for anything else the refusal says what to write. Limits on length, depth and the size of numbers
-keep the work that a short text can ask for small.
+does not exist. What people type is read where it has one meaning: Greek letters, ``2mu_s``, ``alpha v``, ``√v``,
+``e^(-v)``, a left side ``mu(v) =``; for anything else the refusal says what to write. Limits on length, depth and
+the size of numbers keep the work that a short text can ask for small.
 """
 
 import keyword
 import operator
 import re
 import unicodedata
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Container, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import reduce
+from itertools import pairwise
 from typing import NoReturn
 
 import sympy as sp
@@ -58,10 +59,10 @@ _WORDS = {
 _LIBRARIES = ("np", "numpy", "math", "sp", "sympy", "scipy", "mpmath")
 _SIGNS = {
     "·": "*", "×": "*", "∙": "*", "⋅": "*", "∗": "*", "\\cdot": "*", "−": "-", "–": "-", "÷": "/", "**": "^",
-    "[": "(", "]": ")", "{": "(", "}": ")", "≤": "<=", "≥": ">=",
+    "∣": "|", "[": "(", "]": ")", "{": "(", "}": ")", "≤": "<=", "≥": ">=",
 }  # fmt: skip
 """Signs that have one meaning, with the plain ones."""
-_PLAIN = frozenset({*"+-*/^()|,.<>", "<=", ">=", "=="})
+_PLAIN = frozenset({*"+-*/^()|,.<>√", "<=", ">=", "=="})
 _RELATIONS = ("<", "<=", ">", ">=")
 _OPERATORS = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}
 _BINDING = {"+": 1, "-": 1, "*": 2, "/": 2, "^": 4}
@@ -95,8 +96,11 @@ def taken() -> set[str]:
     return {*in_laws(), "sqrt", "erfc", "Piecewise", *KINKED, *_ALIASES, *_INSTEAD, *constants}
 
 
-def parse_expression(text: str, symbol: Callable[[str], Expr]) -> Expr:
+def parse_expression(text: str, symbol: Callable[[str], Expr], described: Container[str] = ()) -> Expr:
     """Translate a formula into a SymPy expression; `symbol` gives that of a name, or refuses it.
+
+    A name that is `described`, or stands elsewhere without a parenthesis behind it, is a factor: a(1 + v) is a
+    product.
 
     A formula has + - * / ^ and functions; ``**`` is a power like ``^``. Decimal numbers stay exact. A refusal has
     the position of the first character that cannot be used, and says what is allowed there.
@@ -107,7 +111,7 @@ def parse_expression(text: str, symbol: Callable[[str], Expr]) -> Expr:
         raise InputError("the formula is empty; write one like 'mu_m + (mu_s - mu_m)*exp(-alpha*v)'")
     if len(text) > _MAX_LENGTH:
         raise InputError(f"the formula has {len(text)} characters; at most {_MAX_LENGTH} are allowed")
-    return _Parser(text, symbol).formula()
+    return _Parser(text, symbol, described).formula()
 
 
 def _refuse(text: str, position: int, reason: str) -> NoReturn:
@@ -160,7 +164,12 @@ def _tokens(text: str) -> list[_Token]:
 def _number_and_name(text: str, match: re.Match[str]) -> list[_Token]:
     """Return a number, and a name that stands right after it: 2mu_s is 2*mu_s, but 0x10 and 2j are neither."""
     number, joined, position = match["number"], match["joined"], match.start()
-    if joined and (not joined[0].isalpha() or re.fullmatch(r"[xXoObBjJ][0-9a-fA-F_]*|[eE]\d*", joined)):
+    power_of_e = joined == "e" and text[match.end() :].lstrip().startswith(("^", "**"))
+    if (
+        joined
+        and not power_of_e
+        and (not joined[0].isalpha() or re.fullmatch(r"[xXoObBjJ][0-9a-fA-F_]*|[eE]\d*", joined))
+    ):
         _refuse(text, position, f"{match[0][:20]!r} is not a decimal number")
     if not _NUMBER.fullmatch(number) or len(number) > _MAX_DIGITS:
         reason = f"{number[:20]!r} is not a decimal number of at most {_MAX_DIGITS} characters"
@@ -189,10 +198,11 @@ def _greek(text: str, position: int, letter: str) -> str:
 class _Parser:
     """Reads one formula: a method for each rule of the grammar, from sums down to operands."""
 
-    def __init__(self, text: str, symbol: Callable[[str], Expr]) -> None:
-        self.text, self.symbol = text, symbol
+    def __init__(self, text: str, symbol: Callable[[str], Expr], described: Container[str]) -> None:
+        self.text, self.symbol, self.described = text, symbol, described
         self.tokens = _tokens(text)
-        self.place = self.depth = self.kinks = 0
+        self.alone = {one.text for one, after in pairwise(self.tokens) if one.kind == "name" and after.text != "("}
+        self.place = self.depth = self.kinks = self.bars = 0
         self.functions: dict[str, Callable[..., Expr]] = {
             **{name: function.kind for name, function in in_laws().items()},
             "erfc": lambda x: 1 - sp.erf(x), "sqrt": sp.sqrt, **KINKED,
@@ -256,18 +266,25 @@ class _Parser:
         signed, side = False, 1
         while sign := self.take("+", "-"):
             signed, side = True, -side if sign.text == "-" else side
-        start = self.next
+        start, divisor = self.next, None
         result = side * self.expression(max(least, _BINDING["*"])) if signed else self.operand()
         while True:
             token = self.next
-            implied = token.kind in ("number", "name") or token.text == "("  # a product without its sign
+            opens = token.text in ("(", "√") or (token.text == "|" and not self.bars)
+            implied = opens or token.kind in ("number", "name")  # a product without its sign
             symbol = "*" if implied else token.text
             if _BINDING.get(symbol, 0) <= least:
                 return result
             if token.kind == "number" and self.tokens[self.place - 1].kind == "number":
                 self.fail(token, "two numbers side by side; write an operator between them")
+            if implied and divisor is not None:
+                below, factor = self.text[divisor.position : token.position].strip(), token.text
+                self.fail(
+                    token, f"a product after a quotient: write /({below}*{factor}...) or /{below}*{factor}..."
+                )
             self.place += not implied
             right = self.next
+            divisor = right if symbol == "/" else divisor if symbol == "^" else None
             if symbol == "^":  # from the right: v^a^2 is v^(a^2)
                 exponent = self.nested(right, lambda: self.expression(_BINDING["^"] - 1))
                 result = self._checked(start, self._power(right, result, exponent))
@@ -284,7 +301,14 @@ class _Parser:
             return sp.Rational(token.text)
         if token.kind == "name":
             self.place += 1
-            return self.nested(token, lambda: self._call(token)) if self.take("(") else self._name(token)
+            product = token.text not in taken() and (token.text in self.described or token.text in self.alone)
+            called = not product and self.take("(")
+            return self.nested(token, lambda: self._call(token)) if called else self._name(token)
+        if self.take("√"):
+            bare, root = self.next.text != "(", self.nested(token, self.operand)
+            if bare and (self.next.kind in ("number", "name") or self.next.text in ("(", "^")):
+                self.fail(token, "what the root is of has two readings; write sqrt(...)")
+            return self._checked(token, self._power(token, root, sp.S.Half))
         if self.take("(", "|"):
             return self.nested(token, lambda: self._enclosed(token))
         self.fail(token, "the formula cannot be read: a number, a name or a parenthesis is missing here")
@@ -298,9 +322,12 @@ class _Parser:
         return result
 
     def _enclosed(self, opened: _Token) -> Expr:
+        bar = opened.text == "|"
+        self.bars += bar
         inner = self.expression()
-        self.close(opened, ")" if opened.text == "(" else "|")
-        return inner if opened.text == "(" else self._kinked(opened, "Abs", [inner])
+        self.close(opened, "|" if bar else ")")
+        self.bars -= bar
+        return self._kinked(opened, "Abs", [inner]) if bar else inner
 
     def _name(self, token: _Token) -> Expr:
         name = token.text
@@ -310,6 +337,10 @@ class _Parser:
             self.fail(token, f"{name[:45]!r} is not a usable name: ASCII letters, digits, '_', at most 40")
         if name in self.constants:
             return self.constants[name]
+        if name == "e" and self.next.text == "^":  # Euler's number, unless a parameter is described by this name
+            with suppress(InputError):
+                return self.symbol(name)
+            return sp.E
         with self.pointing_at(token):
             return self.symbol(name)
 

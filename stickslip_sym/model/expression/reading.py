@@ -81,7 +81,7 @@ def read_formula(formula: str, table: dict[str, Parameter], *, constant: bool = 
             undescribed.append(name)
         return table[name].symbol
 
-    expr = parse_expression(formula, symbol)
+    expr = parse_expression(formula, symbol, frozenset(table))
     _check_value(expr)
     expr = normal_form(expr)
     if constant and expr.has(symbols.v):

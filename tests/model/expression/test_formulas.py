@@ -33,6 +33,10 @@ TYPED = [
     ("a*np.exp(-v) + math.log(1 + v)", lambda v: a * math.exp(-v) + math.log(1 + v)),
     ("1e-3v + 2.5e0 alpha - 3 v^2 a", lambda v: 1e-3 * v + 2.5 * alpha - 3 * v**2 * a),
     ("|v - a| b", lambda v: abs(v - a) * b),
+    ("a*e^(-v/w) + 2e^-v + b**2", lambda v: a * math.exp(-v / w) + 2 * math.exp(-v) + b**2),
+    ("√v + a√(1 + v) - √2/2", lambda v: math.sqrt(v) + a * math.sqrt(1 + v) - math.sqrt(2) / 2),
+    ("a + a(1 + v)exp(-v)", lambda v: a + a * (1 + v) * math.exp(-v)),
+    ("mu_m + b|v - a|^2 - 2|v|∣-v∣", lambda v: mu_m + b * (v - a) ** 2 - 2 * v * v),
     ("-v^2 + 2^-v", lambda v: -(v**2) + 2**-v),
     ("v^a^2/3/b*a", lambda v: v ** (a**2) / 3 / b * a),
     ("a - -v**2*-b", lambda v: a - -(v**2) * -b),
@@ -49,6 +53,28 @@ TYPED = [
     ("0.12 + 0.3*exp(-(v/0.0788816)^1.4144337)", lambda v: 0.12 + 0.3 * math.exp(-((v / 0.0788816) ** 1.4144337))),
 ]
 """A formula as it is typed, and its function; the later ones were refused or had no closed form."""
+
+
+@pytest.mark.parametrize("divisor", ["2", "v", "-2", "(1 + v)", "exp(v)", "b^2", "√(v)", "|v|"])
+@pytest.mark.parametrize("factor", ["v", "(b + v)", "exp(-v)", "|v - 3|", "√v"])
+def test_a_product_after_a_quotient_is_refused_with_both_readings(divisor, factor):
+    """Without its sign; with it, and in parentheses, the two differ."""
+    both = [law_of(text).mu(0.8) for text in (f"a/({divisor}*{factor})", f"a/{divisor}*{factor}")]
+    assert both[0] != pytest.approx(both[1])
+    for blank in ("", " "):
+        joined = not blank and (divisor[-1] + factor[0]).isalnum() and not divisor.isdigit()
+        if not joined:
+            with pytest.raises(ss.InputError, match="a product after a quotient") as caught:
+                ss.FrictionLaw(f"a/{divisor}{blank}{factor}")
+            assert f"/({divisor}*" in str(caught.value)
+
+
+def test_what_is_no_function_is_a_product_where_it_is_a_parameter():
+    assert ss.FrictionLaw("a(1 + v/w)", units={"a": "1"}).expr == ss.FrictionLaw("a*(1 + v/w)").expr
+    assert ss.FrictionLaw("e^(v/w)", units={"e": "1"}).expr != ss.FrictionLaw("exp(v/w)").expr
+    with pytest.raises(ss.InputError, match="there is no function 'a'; a product is written a"):
+        ss.FrictionLaw("b + a(1 + v)")
+
 
 KINKED = [
     ("a*Abs(0.2 - 2*v)", lambda v: a * abs(0.2 - 2 * v), ["0.1"]),
