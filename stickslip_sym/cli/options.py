@@ -192,6 +192,10 @@ FILE_OF_MEASUREMENTS = [
         help="Read rows of these speeds in m/s only.",
     ),
     option("--leave-out", is_flag=True, help="Leave out rows that are no measurements, and count them."),
+    option(
+        "--bins", metavar="N", read=lambda text, name: int(read_number(text, name)),
+        help="Average the rows in so many bins of speed.",
+    ),
     option("--keep-outliers", is_flag=True, help="Keep rows off a smooth curve, which are refused otherwise."),
 ]  # fmt: skip
 """How a file of measurements is read."""

@@ -32,7 +32,7 @@ _FORMAT = 3
 _QUANTITIES = ("V", "N", "m", "k", "c")
 _OPTIONS = (
     "method", "criterion", "workers", "time_limit", "rtol", "t_end", "x0", "v0", "static",
-    "name", "source", "radius", "speeds",
+    "name", "source", "radius", "speeds", "bins",
 )  # fmt: skip
 _RULES: list[tuple[str, str | Callable[[re.Match[str]], str]]] = [
     (r"bind them first: law\.bind\(([^()]*)\)", r"give \1"),

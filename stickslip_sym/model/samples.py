@@ -136,8 +136,8 @@ def _checked(v: Iterable[Number], mu: Iterable[Number]) -> tuple[list[Rational],
     if len(v) > MOST:
         raise InputError(
             f"{len(v)} points were given, and each becomes a piece of the formula; fit a law to so many "
-            f"(stickslip fit FILE, ss.fit), or average them over bins of speed to {MOST} or fewer: "
-            f"ss.read_measurements(path).binned({MOST})"
+            f"(stickslip fit FILE, ss.fit), or average them over bins of speed to {MOST} or fewer: bins={MOST} "
+            "where the file is read"
         )
     speeds = [exact(value, f"v of point {number}") for number, value in enumerate(v, 1)]
     for number, (before, speed) in enumerate(pairwise([-LARGEST, *speeds]), 1):

@@ -42,9 +42,9 @@ _SIZES = {
     "time": "ms 1e-3, s 1, sec 1, second 1, min 60, minute 60, h 3600, hr 3600, hour 3600",
     "speed": "mps 1, kph 5/18, kmh 5/18, mph 0.44704, ips 0.0254, fps 0.3048, fpm 0.00508, knot 463/900",
     "force": "nN 1e-9, uN 1e-6, μN 1e-6, mN 1e-3, cN 1e-2, N 1, newton 1, daN 10, kN 1e3, MN 1e6, kgf 9.80665, "
-             "kp 9.80665, gf 0.00980665, lbf 4.4482216152605, ozf 0.27801385095378125, dyn 1e-5",
+             "kp 9.80665, gf 0.00980665, kg 9.80665, lbf 4.4482216152605, ozf 0.27801385095378125, dyn 1e-5",
 }  # fmt: skip
-"""Sizes in SI units. Capitals count, as they tell mN from MN."""
+"""Sizes in SI units. Capitals count, as they tell mN from MN; a load in kg is that of a weight."""
 _UNITS = {
     name: Unit(kind, Fraction(size))
     for kind, text in _SIZES.items()
@@ -54,6 +54,7 @@ _UNITS |= {
     "rpm": Unit("rotation", _TURN / 60),
     "RPM": Unit("rotation", _TURN / 60),
     "rps": Unit("rotation", _TURN),
+    "%": Unit("number", Fraction(1, 100)),
 }
 _ANGLES = {"rad": Fraction(1), "deg": _TURN / 360, "°": _TURN / 360}
 _ANGLES |= dict.fromkeys(("rev", "r", "U", "1", "turn", ""), _TURN)
@@ -63,6 +64,7 @@ _INVERSE = re.compile(r"[ *.·]?(\w+?)(?:\^|\*\*)?[-−]1$")
 def read_unit(text: str) -> Unit | None:
     """Return the unit that a text names, like ``mm/s``, ``mm s^-1``, ``mm·s⁻¹`` or ``rpm``; None if not known."""
     text = " ".join(text.replace("\N{MICRO SIGN}", "μ").replace("⁻¹", "^-1").split())
+    text = re.sub(r"^([^\W_]+)(?:_per_|_| per )([^\W_]+)$", r"\1/\2", text)  # mm_s
     known = _UNITS.get(text)
     if known is not None:
         return None if known.kind in ("length", "time") else known
@@ -80,9 +82,10 @@ _WORDS: dict[str, tuple[str, ...]] = {
     r"(v|vel)(r|rel|slip|sl|slide|sliding)?|(slip)rate|rpm|drehzahl|(gleit|relativ)?geschwindigkeit": ("v",),
     r"(slip|slide|sliding|rel|relative|surface|lin|linear|belt|track|rotational|angular|spindle)?(speed|velocity)":
         ("v",),
-    r"mu[kd]?|cof|ftfn|(coefficient|coeff)friction|friction(coefficient|coeff|factor)": ("mu",),
+    r"mu[kd]?|cof|f[trfxy]f[nz]|(coefficient|coeff|coef)(friction|traction)": ("mu",),
+    r"(friction|traction)(coefficient|coeff|coef|factor)": ("mu",),
     r"reib(ungs)?koeffizient|reibwert|reibungszahl": ("mu",),
-    r"f(t|f|r|x|fric|friction|tan|tangential)|reib(ungs)?kraft": ("F_t",),
+    r"f(t|f|r|x|y|fric|friction|tan|tangential)|reib(ungs)?kraft": ("F_t",),
     r"(friction|frictional|tangential|lateral|shear|traction)(force|load)": ("F_t",),
     r"f(n|z|normal)|forcenormal|(normal|contact)force|(normal|applied)?load|normalkraft|last": ("F_n",),
     r"friction|reibung": ("mu", "F_t"),
@@ -96,6 +99,10 @@ _WORDS: dict[str, tuple[str, ...]] = {
 _QUALIFIERS = frozenset({"mean", "average", "avg", "ave", "kinetic", "kin", "dynamic", "dyn", "abs", "of", "the"})
 """Words that change nothing: a mean coefficient of kinetic friction is one."""
 _GREEK = str.maketrans({"\N{MICRO SIGN}": " mu ", "μ": " mu ", "σ": " sigma "})
+_QUOTIENT = re.compile(r"(?<=\w)\s*[=(\[]\s*F_?[a-z]+\s*/\s*F_?[a-z]+\s*[)\]]?", re.IGNORECASE)  # COF (Fx/Fz)
+_RPM = re.compile(r"[\s_,(\[/]*\brpm\b[\s)\]]*", re.IGNORECASE)
+_ROLLING = re.compile(r"srr|slide(to)?roll(ing)?(ratio)?|sliproll(ratio)?|sliptorollratio", re.IGNORECASE)
+_OF_SLIP = re.compile("sli[dp]|rel|diff", re.IGNORECASE)
 _BREAKS = re.compile(r"[\s_\-.:,/|(){}\\$\"']+")
 _BRACKETS = re.compile(r"(?P<name>.*?)\s*/?\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\))", re.DOTALL)
 _SPLITS = re.compile(r"\s+in\s+|\s*/\s*|\s*,\s*|\s+|_")
@@ -138,9 +145,14 @@ class Column:
     @classmethod
     def read(cls, text: str, number: int = 0) -> "Column":
         """Return what a cell of a header says."""
-        name, unit_text = _name_and_unit(" ".join(text.split()))
-        turns = name.strip("\"' ").lower() == "rpm"
-        return cls(" ".join(text.split()), name, _meanings(name), unit_text or "rpm" * turns, number)
+        text = " ".join(text.split())
+        plain = _QUOTIENT.sub("", text)
+        rest = _RPM.sub(" ", plain.replace("_", " ")).strip("\"' ")
+        if rest != plain.replace("_", " ").strip("\"' ") and _meanings(rest) in ((), ("v",)):
+            return cls(text, rest or plain, ("v",), "rpm", number)
+        name, unit_text = _name_and_unit(plain)
+        column = cls(text, name, _meanings(name), unit_text, number)
+        return replace(column, meanings=("v",)) if name == "n" and column.turns else column
 
     @property
     def unit(self) -> Unit | None:
@@ -151,6 +163,11 @@ class Column:
     def turns(self) -> bool:
         """Whether its unit is that of a rotational speed."""
         return self.unit is not None and self.unit.kind == "rotation"
+
+    @property
+    def is_mass(self) -> bool:
+        """Whether a force is given by the mass that weighs as much."""
+        return self.unit_text == "kg"
 
     @property
     def possible(self) -> tuple[str, ...]:
@@ -178,6 +195,7 @@ def choose_columns(
     for quantity, text in chosen.items():
         headers = _chosen(headers, where, quantity, str(text).strip())
     columns: dict[str, Column] = {}
+    rolling = next((one for one in headers if _ROLLING.fullmatch(_BREAKS.sub("", one.name))), None)
     has_mu = any(header.meanings == ("mu",) for header in headers)
     for header in headers:
         meanings = header.meanings
@@ -185,7 +203,13 @@ def choose_columns(
             meanings = tuple(one for one in header.possible or meanings if one in ("v", "sigma_mu", "n"))
         if meanings:
             column = replace(header, meanings=meanings)
-            if fault := _fault(column, columns, radius):
+            fault = _fault(column, columns, radius)
+            if rolling and column.meanings == ("v",) and "v" not in chosen and not _OF_SLIP.search(column.name):
+                fault = (
+                    f"beside {_quoted(rolling.text)} this may be the mean speed of two rolling bodies, and the "
+                    f"slip speed that ratio times it; if it is the slip speed, columns={{'v': {column.number}}}"
+                )
+            if fault:
                 raise InputError(f"{where}, column {column.number}, {_quoted(column.text)}: {fault}; {_ADVICE}")
             columns[column.possible[0]] = column
     if fault := _fault_of_all(columns, radius):
@@ -228,8 +252,13 @@ def _fault(column: Column, columns: Mapping[str, Column], radius: Fraction | Non
         return f"{column.unit_text} is a rotational speed; give the radius of the track in m, like radius=0.03"
     if len(possible) > 1:
         return f"this may be {' or '.join(possible)}"
+    if column.unit_text == "%" and possible[0] == "sigma_mu":
+        return "this may be in per cent of each mu, or of 1; write a column of standard deviations without unit"
     other = columns.get(possible[0])
-    return f"column {other.number}, {_quoted(other.text)}, is {possible[0]} too" if other else ""
+    if other is None:
+        return ""
+    both = " or ".join(f"columns={{'{possible[0]}': {one.number}}}" for one in (other, column))
+    return f"column {other.number}, {_quoted(other.text)}, is {possible[0]} too; give {both}"
 
 
 def _fault_of_all(columns: Mapping[str, Column], radius: Fraction | None) -> str:

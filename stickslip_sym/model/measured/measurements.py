@@ -20,6 +20,7 @@ _LARGEST_MU = 5.0  # no dry or lubricated contact comes near it
 _FASTEST = 100.0  # m/s, above which a speed without a unit is taken for one in mm/s
 _OUTLYING = 6.0  # robust standard deviations off a smooth curve: noise does that once in 5e8
 _FEW_ROWS = 20.0  # of fewer the robust deviation is itself uncertain by a factor
+_FAR = 2.0, 3.0  # times what three rows span, and the mean gap of speeds: mu may be any number beyond such a gap
 _BESIDE = 3  # rows on either side that an outlier is held against; one of them may be an outlier too
 _RISES = 4.0  # times what friction changes between rows beside an outlier, which a smooth curve may exceed too
 _ROBUST = 1.4826 / 1.5**0.5  # standard deviation over the median of |mu_i - (mu_i-1 + mu_i+1)/2|
@@ -160,6 +161,7 @@ def read_measurements(
     speeds: tuple[Number | None, Number | None] | None = None,
     leave_out: bool = False,
     keep_outliers: bool = False,
+    bins: int | None = None,
 ) -> Measurements:
     r"""Return the friction measurements in a text file of columns, as instruments write them.
 
@@ -186,6 +188,8 @@ def read_measurements(
         outliers.
     keep_outliers : bool
         Keep rows more than 6 robust standard deviations off a smooth curve.
+    bins : int, optional
+        Average the rows in so many bins of speed, as `Measurements.binned` does.
 
     Returns
     -------
@@ -235,7 +239,7 @@ def read_measurements(
         notes.insert(0, f"{len(order)} of {len(v)} from {low:g} to {high:g} m/s")
     counts = table.floats("n") if "n" in table.cells else None
     if not keep_outliers:
-        off = _outliers(mu[order])
+        off = _outliers(v[order], mu[order])
         smooth = ~np.isin(np.arange(len(v)), order[off])
         table.require(smooth, "F_t" if "F_t" in table.cells else "mu", _SMOOTH, "off a smooth curve")
         order = order[~off]
@@ -248,7 +252,8 @@ def read_measurements(
     source = f"{path.name}, {datetime.fromtimestamp(path.stat().st_mtime, UTC):%Y-%m-%d}"
     rows = f"{len(order)} row{'s' * (len(order) != 1)}"
     understood = ", ".join([rows, *_columns_in_words(table), *notes])
-    return Measurements(v[order], mu[order], sigma, understood, path.stem, order, counts, source)
+    read = Measurements(v[order], mu[order], sigma, understood, path.stem, order, counts, source)
+    return read if bins is None else read.binned(bins)
 
 
 def _columns_in_words(table: Table) -> list[str]:
@@ -256,11 +261,16 @@ def _columns_in_words(table: Table) -> list[str]:
     columns = table.columns
     mu = "F_t/F_n" if "F_t" in columns else f"column {columns['mu'].number}"
     more = [f"{name} from column {columns[key].number}" for key, name in _OTHERS.items() if key in columns]
-    return [f"v in {columns['v'].unit_text or 'm/s'}", f"mu from {mu}", *more]
+    more += [f"{key} in kg taken for weights" for key in ("F_t", "F_n") if key in columns and columns[key].is_mass]
+    speed = f"v in {columns['v'].unit_text}" if columns["v"].unit_text else "v taken to be in m/s"
+    return ["no header"] * (not columns["v"].text) + [speed, f"mu from {mu}", *more]
 
 
-def _outliers(y: FloatArray) -> BoolArray:
-    """Return which coefficients, at ascending speeds, are off a smooth curve through the others."""
+def _outliers(v: FloatArray, y: FloatArray) -> BoolArray:
+    """Return which coefficients, at ascending speeds, are off a smooth curve through the others.
+
+    A row that is far from those beside it is none: the curve may change between them.
+    """
     if len(y) < 2 * _BESIDE + 1:
         return np.zeros(len(y), dtype=bool)
     noise = _ROBUST * float(np.median(np.abs(y[1:-1] - (y[:-2] + y[2:]) / 2)))
@@ -278,7 +288,11 @@ def _outliers(y: FloatArray) -> BoolArray:
     change = np.where(below == above, largest[below], np.maximum(least[below], least[above]))
     slack = np.maximum(tolerance, _RISES * change)
     first = np.abs(y) > _RISES * np.abs(high) + slack
-    return np.asarray(np.where(i < _BESIDE, first, (y < low - slack) | (y > high + slack)))
+    spans = v[_BESIDE - 1 :] - v[: 1 - _BESIDE]  # of trios
+    gap = np.maximum(v - v[np.minimum(below + _BESIDE - 1, i)], v[np.maximum(above, i)] - v)
+    mean = (v[-1] - v[0]) / len(np.unique(v))
+    far = gap > np.maximum(_FAR[0] * np.maximum(spans[below], spans[above]), _FAR[1] * mean)
+    return np.asarray(np.where(i < _BESIDE, first, (y < low - slack) | (y > high + slack)) & ~far)
 
 
 def _fold(table: Table, radius: Fraction) -> tuple[FloatArray, FloatArray, FloatArray | None, list[str]]:

@@ -2,14 +2,15 @@
 
 import csv
 import re
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from decimal import Decimal, localcontext
 from fractions import Fraction
 from itertools import repeat
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -28,11 +29,16 @@ _BEFORE_UNIT = re.compile(r"(?<=[^\s\])])\s+(?=[\[(])")
 _BETWEEN_BLANKS = re.compile(r'"[^"]*"|(?:\[[^\[\]]*\]|\([^()]*\)|\S)+')
 _NUMBER = r"[+-]?(\d+{sign}?\d*|{sign}\d+)([eE][+-]?\d{{1,4}})?"
 _NUMBERS = {sign: re.compile(_NUMBER.format(sign=re.escape(sign))) for sign in ".,"}
+_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+(\.\d*)?")
 _THREE_DIGITS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 _NINES = re.compile(r"[+-]?0*(99[.,]9+|9{3,}([.,](0*|9*))?)")
 _NOTHING = re.compile(r"|nan|n/?a|inf|-+|null|none|#.*", re.IGNORECASE)
 _OVERFLOW = 1e30  # what instruments write in place of a value out of range is larger, like 9.9E37
+_FIRST_TWO = {"v": 1, "mu": 2}
+"""The columns of a table of two without a header."""
 _WORKBOOKS = {b"PK\x03\x04": ".xlsx or .ods", b"\xd0\xcf\x11\xe0": ".xls"}
+_MOST_LEFT_OUT = 0.2  # share of the rows that break a rule, above which columns or units are not what they seem
+_Row: TypeAlias = tuple[int, list[str]]  # its line, and its cells
 _FAULTY = "mend the row, begin it with #, or leave out rows like it: leave_out=True"
 
 
@@ -71,8 +77,16 @@ class Table:
             raise InputError(f"{where}: {rule}; got {got}; {_FAULTY}")
         self.faults.setdefault(reason, []).append(line)
 
-    def require(self, keep: BoolArray, quantity: str, rule: str, reason: str) -> None:
-        """Refuse the first row that breaks a rule, or leave out all of them."""
+    def require(
+        self, keep: BoolArray, quantity: str, rule: str, reason: str, *, stands_for_none: bool = False
+    ) -> None:
+        """Refuse the first row that breaks a rule, or leave out all of them where they are few."""
+        if (count := int(np.sum(~keep))) > max(_MOST_LEFT_OUT * len(keep), 1) and not stands_for_none:
+            row = int(np.argmin(keep))
+            raise InputError(
+                f"{self.place(row, quantity)}: {rule}; got {quantity} = {self.cells[quantity][row]}, and {count} "
+                f"of {len(keep)} rows are like it, too many to leave out: see which columns and units they are"
+            )
         for row in np.flatnonzero(~keep).tolist():
             got = f"{quantity} = {self.cells[quantity][row]}"
             self.fault(self.lines[row], self.place(row, quantity), got, rule, reason)
@@ -99,7 +113,7 @@ class _Line(NamedTuple):
 def read_table(path: Path, chosen: Mapping[str, str | int], radius: Fraction | None, *, leave_out: bool) -> Table:
     """Return the columns of a text file that hold measurements, or refuse it with line and column."""
     name = repr(str(path))
-    texts = _text(path).splitlines()
+    texts = _text(path).replace("\N{MINUS SIGN}", "-").splitlines()
     for number, text in enumerate(texts, 1):
         if len(text) > _LONGEST:
             raise InputError(f"{name}, line {number}: it has {len(text)} characters; a row is a line of its own")
@@ -107,8 +121,8 @@ def read_table(path: Path, chosen: Mapping[str, str | int], radius: Fraction | N
         _Line(number, _COMMENT.sub("", text, count=1), _COMMENT.match(text) is not None)
         for number, text in enumerate(texts, 1) if text.strip(SEPARATORS)
     ]  # fmt: skip
-    separator, header, where, rows = _layout(lines, name, chosen)
-    columns = choose_columns(header, where, chosen, radius)
+    separator, header, where, rows = _layout_of_chosen(lines, name) if chosen else _layout(lines, name)
+    columns = choose_columns(header, where, chosen if any(header) or chosen else _FIRST_TWO, radius)
     if len(rows) > MOST_ROWS:
         raise InputError(f"{name} has over {MOST_ROWS} rows; average them to fewer")
     read = {column.number for column in columns.values()}
@@ -117,7 +131,8 @@ def read_table(path: Path, chosen: Mapping[str, str | int], radius: Fraction | N
     _fill(table, [(line.number, _cells(line.text, separator)) for line in rows], header, separator)
     for quantity in columns:
         good = ~_stand_ins(table.floats(quantity), table.cells[quantity])
-        table.require(good, quantity, "this stands for no value", "of a value that stands for none")
+        reason = "of a value that stands for none"
+        table.require(good, quantity, "this stands for no value", reason, stands_for_none=True)
     return table
 
 
@@ -163,15 +178,52 @@ def _is_number(cell: str) -> bool:
     return any(number.fullmatch(cell) for number in _NUMBERS.values())
 
 
-def _layout(
-    lines: Sequence[_Line], name: str, chosen: Mapping[str, str | int]
-) -> tuple[str, list[str], str, list[_Line]]:
+def _is_of_units(cells: Sequence[str], count: int) -> bool:
+    """Return whether a row below a header of so many names holds their units."""
+    units = [read_unit(cell.strip("[]() ")) is not None and not _is_number(cell) for cell in cells]
+    return len(cells) == count and any(units) and not any(_is_number(cell) and cell != "1" for cell in cells)
+
+
+def _with_units(names: Sequence[str], units: Sequence[str]) -> list[str]:
+    plain = [unit.strip("[]() ") for unit in units]
+    return [f"{name} [{unit}]" if unit else name for name, unit in zip(names, plain, strict=True)]
+
+
+def _layout_of_chosen(lines: Sequence[_Line], name: str) -> tuple[str, list[str], str, list[_Line]]:
+    """Return the same as `_layout` where the user chose columns: what parts the rows decides, not the title.
+
+    The header is the last line above the first row that is as wide, with the units of a row below it.
+    """
+    rows = [line for line in lines if not line.comment]
+    widths = Counter[tuple[bool, str, int]]()
+    for line in rows[:_LOOKED_AT]:
+        for mark in SEPARATORS:
+            numeric = list(map(_is_number, _names(line.text, mark)))
+            if len(numeric) > 1 and 2 * sum(numeric) > len(numeric):
+                widths[all(numeric), mark, len(numeric)] += 1
+    if not widths:
+        raise InputError(f"{name} has no rows of numbers in columns; write a line for each, like 0.1,0.35")
+    whole, mark, count = max(widths, key=lambda one: (one[0], widths[one]))
+    first = next(
+        i for i, line in enumerate(rows)
+        if len(cells := _names(line.text, mark)) == count and (all if whole else any)(map(_is_number, cells))
+    )  # fmt: skip
+    above = [(one, _names(one.text, mark)) for one in lines[: lines.index(rows[first])]]
+    wide = [(one, cells) for one, cells in above if len(cells) == count]
+    if not wide:
+        return mark, [""] * count, name, rows[first:]
+    line, header = wide[-1]
+    if len(wide) > 1 and _is_of_units(header, count):
+        line, header = wide[-2][0], _with_units(wide[-2][1], header)
+    return mark, header, f"{name}, line {line.number}", rows[first:]
+
+
+def _layout(lines: Sequence[_Line], name: str) -> tuple[str, list[str], str, list[_Line]]:
     """Return what separates columns, the cells of the header, where it stands, and the rows.
 
     A header names a speed and friction, also in a comment, and has a row of numbers below it, where blanks part
     them as many as there are names; a row of units may stand between. Anything else that looks like a header is
-    refused. Where the user chose the columns it may have any names, and is the last line as wide as the first row
-    that has nothing but numbers.
+    refused.
     """
     rows = [line for line in lines if not line.comment]
     for i, line in enumerate(lines[:_LOOKED_AT]):
@@ -184,21 +236,18 @@ def _layout(
         if named and not below:
             raise InputError(f"{name} has no points below line {line.number}; write a line for each")
         for mark in named:
-            units = [cell.strip("[]() ") for cell in first[mark]]
-            if len(units) == len(cells[mark]) and any(map(read_unit, units)) and not any(map(_is_number, units)):
-                cells[mark] = [
-                    f"{cell} [{unit}]" if unit else cell for cell, unit in zip(cells[mark], units, strict=True)
-                ]
+            if _is_of_units(first[mark], len(cells[mark])):
+                cells[mark] = _with_units(cells[mark], first[mark])
                 start += 1
                 first[mark] = _names(rows[start].text, mark) if start < len(rows) else []
             fits = len(first[mark]) == len(cells[mark]) if mark == " " else len(first[mark]) > 1
             if fits and any(map(_is_number, first[mark])):
                 return mark, cells[mark], where, rows[start:]
-        if named and (chosen or not line.comment):
+        if named and not line.comment:
             raise InputError(
-                f"{where}: {line.text[:60]!r} names {len(cells[named[-1]])} columns, and {below[0].text[:50]!r} "
-                "has not as many numbers; write units in brackets behind the names, part columns by tabs or "
-                "semicolons, and begin a title with #"
+                f"{where}: {line.text[:60]!r} names {len(cells[named[-1]])} columns, and line "
+                f"{below[0].number}, {below[0].text[:50]!r}, has not as many numbers; write units in brackets "
+                "behind the names, part columns by tabs or semicolons, and begin a title with #"
             )
         numbers = [mark for mark in SEPARATORS if len(cells[mark]) > 1 and all(map(_is_number, cells[mark]))]
         if numbers and not line.comment:
@@ -209,10 +258,8 @@ def _layout(
             rowlike = any(2 * sum(numeric) > len(numeric) for numeric in above)
             if rowlike or any(map(_is_number, header)) or (below and len(first[mark]) != count):
                 break
-            if chosen and wide:
-                return mark, header, f"{name}, line {wide[-1].number}", rows[start - 1 :]
-            if chosen or (count == 2 and line is rows[0]):
-                return mark, [""] * count if chosen else ["v", "mu"], name, rows[start - 1 :]
+            if count == 2 and line is rows[0]:
+                return mark, [""] * count, name, rows[start - 1 :]
             break
     if not rows:
         raise InputError(f"{name} has no points; write a line for each, like 0.1,0.35")
@@ -223,10 +270,12 @@ def _layout(
     )
 
 
-def _fill(table: Table, rows: Sequence[tuple[int, list[str]]], header: list[str], separator: str) -> None:
+def _fill(table: Table, rows: Sequence[_Row], header: list[str], separator: str) -> None:
     """Take the cells that are read of all rows, each of which has as many columns as the header."""
     count = len(header)
     read = {column.number - 1: quantity for quantity, column in table.columns.items()}
+    if separator == ",":  # a comma in a cell is one in quotes
+        rows = _without_thousands(rows, read)
     sign = _decimal_sign([row[i] for _, row in rows for i in read if i < len(row)], table.name)
     looked_at = [row for _, row in rows[:_LOOKED_AT] if len(row) >= count]
     numeric = [  # a word in another column of numbers, like Mean, says that a row is none of measurements
@@ -258,6 +307,18 @@ def _fill(table: Table, rows: Sequence[tuple[int, list[str]]], header: list[str]
                 "file of its own"
             )
         table.fault(line, f"{table.name}, line {line}, column {column}", repr(got), rule, reason)
+
+
+def _without_thousands(rows: Sequence[_Row], read: Iterable[int]) -> Sequence[_Row]:
+    """Return rows without commas between thousands, where points say that commas are no decimal signs."""
+    cells = [row[i] for _, row in rows for i in read if i < len(row)]
+    commas = [cell for cell in cells if "," in cell]
+    pointed = any("." in cell for cell in cells) or any(cell.count(",") > 1 for cell in commas)
+    if not (commas and pointed and all(map(_THOUSANDS.fullmatch, commas))):
+        return rows
+    return [
+        (line, [_THOUSANDS.sub(lambda cell: cell[0].replace(",", ""), cell) for cell in row]) for line, row in rows
+    ]
 
 
 def _decimal_sign(cells: Sequence[str], name: str) -> str:

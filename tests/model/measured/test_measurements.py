@@ -14,13 +14,21 @@ from stickslip_sym.model.measured.measurements import Measurements
 
 SPEED_UNITS = {"m/s": 1, "mm/s": 1000, "cm/s": 100, "um/s": 10**6, "m/min": 60, "km/h": Fraction(18, 5),
                "in/s": 1 / Fraction("0.0254"), "mm s^-1": 1000, "m·s⁻¹": 1, "mm/min": 60000, "nm/s": 10**9,
-               "µm/s": 10**6}  # fmt: skip
-FORCE_UNITS = {"N": 1, "kN": Fraction(1, 1000), "mN": 1000, "uN": 10**6, "daN": Fraction(1, 10)}
+               "µm/s": 10**6, "mm_s": 1000}  # fmt: skip
+FORCE_UNITS = {
+    "N": 1,
+    "kN": Fraction(1, 1000),
+    "mN": 1000,
+    "uN": 10**6,
+    "daN": Fraction(1, 10),
+    "kg": 1 / Fraction("9.80665"),
+}
 WORDS = {
     "v": ["v", "speed", "Velocity", "sliding speed", "v_r", "V_rel", "slip velocity", "v_slip", "Sliding_Speed",
           "Lin. Speed", "Mean Speed", "Belt speed"],
     "mu": ["mu", "COF", "friction coefficient", "Coefficient of Friction", "μ", "µ", "Friction Factor", "COF_avg",
-           "Friction Coefficient µ", "Reibungskoeffizient", "mu_mean", "|COF|", "µ_dyn"],
+           "Friction Coefficient µ", "Reibungskoeffizient", "mu_mean", "|COF|", "µ_dyn", "Traction coefficient",
+           "Friction coef.", "COF (Fx/Fz)", "mu = Ft/Fn", "Fx/Fz"],
     "F_t": ["F_t", "Friction force", "Fx", "tangential force", "F_f"],
     "F_n": ["F_n", "Normal Force", "Fz", "normal load", "Load"],
     "sigma": ["sigma_mu", "std(mu)", "s_mu", "σ", "std", "uncertainty", "standard deviation", "std of COF"],
@@ -49,7 +57,7 @@ def random_table(rng):
         items = list(items)
         return items[rng.integers(len(items))]
 
-    count, (separator, sign) = int(rng.integers(4, 12)), pick(DIALECTS)
+    count, (separator, sign), minus = int(rng.integers(4, 12)), pick(DIALECTS), pick("--−")
     blanks = separator == " "
     names = [*pick([["v", "mu"], ["v", "F_t", "F_n"]]), *pick([["sigma"], [], []]), *pick([["other"], []])]
     forces, both = "F_t" in names, rng.random() < 0.4
@@ -75,21 +83,102 @@ def random_table(rng):
         header[name] = frame.format(word, size[name][0]).strip('"') if name in size else word
     if forces and "sigma" in names:
         header["sigma"] = "sigma_mu"
+    if not blanks and "mu" in names and rng.random() < 0.2:
+        header["mu"] += " [%]"
+        for i, row in enumerate(rows):
+            row["mu"] = f"{100 * float(row['mu']):.6g}"
+            meant[i] = (meant[i][0], abs(Fraction(row["mu"])) / 100, meant[i][2])
     rng.shuffle(names)
     lines = [separator.join(f'"{header[name]}"' if separator in header[name] else header[name] for name in names)]
     for row in rows:
         between = separator * (int(rng.integers(1, 4)) if blanks else 1)
-        lines.append(between.join(row[name].replace(".", sign) for name in names) + pick(["", "", separator]))
+        cells = [row[name].replace(".", sign).replace("-", minus) for name in names]
+        lines.append(between.join(cells) + pick(["", "", separator]))
     lines = [*pick([["# made by a machine, 3;4,5"], []]), *lines]
     lines.insert(int(rng.integers(1, len(lines) + 1)), pick(["% a remark", ""]))
     end = pick(["\n", "\r\n"])
     return end.join(lines) + end, meant, names, unit
 
 
+TITLES = [
+    "Run 3 of the tribometer, disc 7; speed, friction", "v [m/s] and mu, from a machine", "1 2 3 4 5 6 7", "v;mu",
+    "Sliding speed (mm/s)\tCOF", "a | b | c | speed | mu",
+]  # fmt: skip
+
+
+@given(SEEDS, st.sampled_from(TITLES), st.booleans())
+def test_chosen_columns_win_whatever_the_title_looks_like(folder, seed, title, named):
+    """By number or by name, with the separator that fits the rows."""
+    rng = np.random.default_rng(seed)
+    separator, sign = DIALECTS[rng.integers(len(DIALECTS))]
+    v, mu = np.round(rng.uniform(0.1, 2, 8), 3), np.round(rng.uniform(0.2, 0.5, 8), 3)
+    rows = [
+        separator.join(f"{x:g}".replace(".", sign) for x in (i + 1, a, 7, b))
+        for i, (a, b) in enumerate(zip(v, mu, strict=True))
+    ]
+    header = separator.join(["No", "A", "B", "C"])
+    path = write(folder, "\n".join([title, header, *rows]))
+    columns = {"v": "A [mm/s]" if named else "2 [mm/s]", "mu": "C" if named else 4}
+    read = ss.read_measurements(path, columns=columns, keep_outliers=True)
+    order = np.argsort(v, kind="stable")
+    np.testing.assert_array_equal(read.v, [float(Fraction(f"{x:g}") / 1000) for x in v[order]])
+    np.testing.assert_array_equal(read.mu, mu[order])
+
+
+@pytest.mark.parametrize(
+    "name", ["Speed (rpm)", "Spindle speed, rpm", "speed_rpm", "RPM", "rpm of the spindle", "n (1/min)",
+             "Speed [1/min]", "Rotation [rpm]", "Drehzahl in U/min", "rotational speed [rev/min]"],
+)  # fmt: skip
+def test_rotations_stand_in_any_position(tmp_path, name):
+    path = write(tmp_path, f"{name};mu\n60;0.4\n120;0.3\n")
+    read = ss.read_measurements(path, radius="0.1")
+    assert read.v == pytest.approx(np.array([1, 2]) * 2 * np.pi * 0.1, rel=1e-15)
+    with pytest.raises(ss.InputError, match="a rotational speed; give the radius"):
+        ss.read_measurements(path)
+
+
+def test_commas_between_thousands_are_read_where_they_are_quoted(tmp_path):
+    for text, v in (('"1,234.5",0.4\n"2,000",0.3\n', [1234.5, 2000]), ('"1,234,000",1\n950,2\n', [950, 1234000])):
+        assert ss.read_measurements(write(tmp_path, "v [um/s],mu\n" + text)).v.tolist() == [x * 1e-6 for x in v]
+    with pytest.raises(ss.InputError, match="may be a decimal sign, or stand between thousands"):
+        ss.read_measurements(write(tmp_path, 'v [um/s],mu\n"1,234",1\n"2,000",2\n'))
+    read = ss.read_measurements(write(tmp_path, 'v [m/s],mu\n"1,2","0,4"\n"2,0","0,3"\n'))
+    assert (read.v.tolist(), read.mu.tolist()) == ([1.2, 2], [0.4, 0.3])
+
+
+def test_what_is_assumed_is_said(tmp_path):
+    for text, words in (
+        ("0.1,0.4\n0.2,0.3\n", "no header, v taken to be in m/s, mu from column 2"),
+        ("v,mu\n0.1,0.4\n", "1 row, v taken to be in m/s, mu"), ("v [m/s],mu\n0.1,0.4\n", "1 row, v in m/s, mu"),
+        ("v [m/s],F_t [N],Load [kg]\n1,2,1\n", "F_n in kg taken for weights"),
+    ):  # fmt: skip
+        assert words in str(ss.read_measurements(write(tmp_path, text)))
+
+
+@given(SEEDS)
+def test_fast_rows_beyond_a_gap_are_no_outliers(folder, seed):
+    """Nothing is left out of a curve that falls between two groups of speeds; a spike among the rows is."""
+    rng = np.random.default_rng(seed)
+    slow, fast = np.sort(rng.uniform(0.01, 0.1, 30)), np.sort(rng.uniform(0.6, 3, int(rng.integers(1, 6))))
+    v = np.concatenate([slow, fast])
+    mu = np.where(v > 0.5, 0.15, 0.5 - 0.5 * v) + 0.002 * rng.normal(size=len(v))
+    rows = [f"{a:.5f},{b:.5f}\n" for a, b in zip(v, mu, strict=True)]
+    for leave_out in (False, True):
+        assert len(
+            ss.read_measurements(write(folder, "v [m/s],mu\n" + "".join(rows)), leave_out=leave_out)
+        ) == len(v)
+    rows[15] = f"{v[15]:.5f},{mu[15] + 0.3:.5f}\n"
+    with pytest.raises(ss.InputError, match=r"line 17.*off a smooth curve"):
+        ss.read_measurements(write(folder, "v [m/s],mu\n" + "".join(rows)))
+    percents = [f"{a:.5f},{100 * b:.5f}\n" for a, b in zip(v, mu, strict=True)]
+    with pytest.raises(ss.InputError, match=f"and {len(v)} of {len(v)} rows are like it, too many to leave out"):
+        ss.read_measurements(write(folder, "v [m/s],mu\n" + "".join(percents)), leave_out=True)
+
+
 def with_fault(text, rng):
     """A table with one planted fault, the line, and whether its row has a cell less or more."""
     lines = text.split("\n")
-    row = int(rng.choice([i for i, line in enumerate(lines) if line[:1].isdigit() or line[:1] == "-"]))
+    row = int(rng.choice([i for i, line in enumerate(lines) if line[:1].isdigit() or line[:1] in ("-", "−")]))
     separator = next(mark for mark in "\t;| ," if mark in lines[row])
     cells = lines[row].rstrip(";,|\t \r").split(separator)
     cells = [cell for cell in cells if cell] if separator == " " else cells
@@ -282,8 +371,9 @@ def test_thousands_of_rows_are_read_and_binned(tmp_path):
     assert len(bins) == 40
     assert bins.v[0] == pytest.approx(np.sort(v)[:200].mean())
     assert bins.sigma == pytest.approx(0.2 / 12**0.5 / 200**0.5, rel=0.05)
-    with pytest.raises(ss.InputError, match=r"fit a law to so many .*binned\(60\)"):
+    with pytest.raises(ss.InputError, match=r"fit a law to so many .*bins=60"):
         ss.FrictionLaw.from_csv(tmp_path / "pin.csv")
+    np.testing.assert_array_equal(ss.read_measurements(tmp_path / "pin.csv", bins=40).mu, bins.mu)
     for count in (0, 8001):
         with pytest.raises(ss.InputError, match=f"{count} bins of 8000 rows; take 1 to 8000"):
             read.binned(count)
@@ -297,7 +387,10 @@ REFUSED = {
     "v [N],mu\n1,2\n": "column 1.*'N' is no unit of a speed",
     "v,mu\n1,2\0\n": "is not a text file of columns: it holds null bytes",
     "V,mu\n1,2\n": r"column 1, 'V': a speed without a unit; write v \[m/s\]",
-    "v,mu,COF\n1,2,3\n": "line 1, column 3, 'COF': column 2, 'mu', is mu too",
+    "v,mu,COF\n1,2,3\n": "column 3, 'COF': column 2, 'mu', is mu too; give columns={'mu': 2} or columns={'mu': 3}",
+    "Mean Speed [mm/s],SRR (%),mu\n1,50,2\n": "column 1, .*this may be the mean speed of two rolling.*={'v': 1}",
+    "v [m/s],Fx [N],Fy [N],Fz [N]\n1,2,3,4\n": "column 2, 'Fx .N.', is F_t too; give columns={'F_t': 2} or",
+    "v [m/s],mu,sd [%]\n1,2,3\n": "column 3, 'sd .%.': this may be in per cent of each mu, or of 1",
     "v,friction\n1,2\n": "column 2, 'friction': this may be mu or F_t; choose columns, like columns={'mu': ",
     FORCES.replace("\n", ",std\n") + "1,2,3,4\n": "'std': this may be sigma_mu or sigma_F_t",
     "v,F_t [N]\n1,2\n": "line 1: no column is F_n; understood: 'v' as v, 'F_t .N.' as F_t; choose columns",
@@ -310,7 +403,7 @@ REFUSED = {
     "v [um/s]\tmu\n10,000\t0.4\n": "the comma in '10,000' may .* stand between thousands, as '0.4' has a point",
     "v [um/s];mu\n1.085,21;0,4\n": "line 2, column 1.*without a sign between thousands; got '1.085,21'",
     "0.1 0.5 7\n0.2 0.4 7\n": "line 1: got '0.1 0.5 7'; a table begins with a header",
-    "v mu\n0.1 0.5 7\n": "line 1: 'v mu' names 2 columns, and '0.1 0.5 7' has not as many numbers",
+    "v mu\n0.1 0.5 7\n": "line 1: 'v mu' names 2 columns, and line 2, '0.1 0.5 7', has not as many numbers",
     "v,mu\n" + "[" * 300_000: "line 2: it has 300000 characters; a row is a line of its own",
     "v,mu\n# note\n0,0.5\n1,0.4x\n": "line 4, column 2, 'mu': a finite number is needed.*got '0.4x'",
     "v,mu\n0,05,0,3\n": "line 2.*the row has 4 columns, and the header 2.*part the columns by semicolons",
