@@ -28,7 +28,7 @@ OVERTAKING = [
 def test_overtaking_cycles_are_those_of_simulations(law, changes):
     """Two motions that come close to it, from inside and from outside."""
     osc = paper_oscillator(**changes)
-    cycle = Regime(law, osc, 1e-11).overtaking
+    (cycle,) = Regime(law, osc, 1e-11).overtaking
     x0 = osc.N * float(law.mu(osc.V)) / osc.k
     settled = min(12 / abs(cycle.floquet), 300 * cycle.period)
     left = math.exp(cycle.floquet * settled)  # of what a start is off

@@ -11,6 +11,7 @@ belt each round, since damping and friction bring those far out back in.
 import math
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import replace
 from enum import Enum
 from functools import cache
 from typing import Any, NamedTuple
@@ -29,6 +30,7 @@ from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.needed import SIGNS, Found, needed_all, sure_gap
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
+from stickslip_sym.motion.regimes.overtaking import reaches, rounds_outside
 from stickslip_sym.motion.regimes.regime import regime
 from stickslip_sym.motion.roots import orbit_signs
 from stickslip_sym.motion.slip import Dimensionless
@@ -42,6 +44,10 @@ CURVES = {
     "exact": ("exact threshold", "-", "black"),
 }
 """The thresholds of an operating point: their names in legends, and how they are drawn."""
+
+
+_ROUGH = 1e-7  # tolerance of the steps along which rounds are resolved; what they leave open is followed
+_INWARD = 3  # rounds that many cells are followed for, from where cycles that overtake may be, on the way in
 
 
 class Reason(Enum):
@@ -158,6 +164,7 @@ class _Decider:
         known &= np.isfinite(exact + equilibrium)
         cycle, stable, left_open = orbit_signs(self._gaps, zeta < equilibrium)
         known[[i for i, _, _ in left_open]] = False
+        self._overtaking(known & ~near & (held | ~returns), stable, known)
         signs = Signs(rest=rest, falls=stable, returns=returns & ~escapes, held=held)
         cells = Cells.unknown(zeta.size)
         motion, reason = cells.motion, cells.reason
@@ -206,6 +213,23 @@ class _Decider:
             outside = ~returns & (zeta >= 0)
             known[outside] = ends(outside, begin) == 0
         return held, escapes, known
+
+    def _overtaking(self, sought: BoolArray, stable: BoolArray, known: BoolArray) -> None:
+        """Mark which cells have a stable cycle that overtakes the belt, and which are not known, of those sought.
+
+        Where a motion overtakes and is not held, there is one, or motions grow without bound.
+        """
+        q = reaches(self.system, self.eta, self.zeta)
+        for _ in range(_INWARD):
+            inward = np.flatnonzero(sought & (q > 0) & np.isfinite(q))
+            options = {"eta": self.eta[inward], "zeta": self.zeta[inward], "few": 0}
+            ends = self.system.rounds(q[inward], SIGNS, **options)
+            q[inward] = np.where(np.isnan(ends), 0.0, np.where((ends >= 0) & (ends < q[inward]), ends, math.inf))
+        for i in np.flatnonzero(sought & (q > 0)).tolist():
+            check_time()
+            rounds = rounds_outside(replace(self.system, eta=self.eta[i], zeta=self.zeta[i]), _ROUGH)
+            stable[i] |= -2 in np.diff(rounds.growth)
+            known[i] = "open" not in [mark.kind for mark in rounds.marks]
 
     def _gaps(self, cell: IntArray, A: FloatArray) -> FloatArray:
         """Return gaps, cut at -1 and 1, by the numbers of cells; NaN where the sign is not known."""

@@ -151,7 +151,7 @@ def followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray,
         decide(left[stuck], lambda: plane.from_onset)
         left, ends = left[back & ~stuck], slips.q[back & ~stuck]
         again = ~np.isnan(begun[left])
-        decide(left[again], partial(plane.of_rounds, begun[left[again]], ends[again]))
+        decide(left[again], partial(plane.of_rounds, ends[again]))
         begun[left], q[left], w[left], side[left] = ends, ends, 0.0, 1.0
         left = left[~again]
     return found

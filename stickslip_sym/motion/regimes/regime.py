@@ -18,7 +18,6 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray, ObjectArray
@@ -31,6 +30,7 @@ from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles
 from stickslip_sym.motion.orbits.damping import needed_damping
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS
+from stickslip_sym.motion.regimes.overtaking import Rounds, rounds_outside
 from stickslip_sym.motion.regimes.separatrix import Separatrix, interpolated
 from stickslip_sym.motion.roots import NEAREST
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle, first_minimum, stick_slip_cycle
@@ -43,9 +43,7 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
-_FIRST, _ESCAPED = 1e-3, 1e6  # displacements q at which a round outside P's is tried first, and last
-_STEP = 1e-3  # relative, of a displacement by which a round is differentiated
-_ROUNDS = 24  # that are looked at on the way in to P's, and half as many on the way out
+_STEP = 1e-4  # relative, of a displacement by which a round is differentiated
 _SECONDS, _RTOL = 2.0, 1e-8  # of computation, for a curve that is a period of a motion, and its tolerance
 _LOOKS: dict[str, dict[str, Any]] = {
     "stick-slip": {"color": "black", "linewidth": 2.2},
@@ -181,37 +179,34 @@ class Regime(drawing.Drawn):
         return stick_slip_cycle(self.law, self.oscillator, rtol=self.rtol) if self.height < 0 else None
 
     @cached_property
-    def overtaking(self) -> LimitCycle | None:
-        """The innermost limit cycle that overtakes the belt each round and never sticks, or None.
+    def outside(self) -> Rounds:
+        """Where the rounds of motions that overtake the belt and do not stick grow, and where they shrink."""
+        return rounds_outside(self.system, self.rtol)
+
+    @cached_property
+    def overtaking(self) -> tuple[LimitCycle, ...]:
+        """The limit cycles that overtake the belt each round and never stick, by ascending amplitude.
 
         Where friction is weak, N << V sqrt(k m), the mass arrives at the belt's speed where static friction cannot
         hold it. It overtakes the belt, up to where the work of friction there balances the gain below. A law with
-        mu(0) = 0 never sticks, and its relaxation oscillation is of this kind.
+        mu(0) = 0 never sticks, and its relaxation oscillation is of this kind. With a negative damping one may lie
+        outside a stick-slip cycle, where friction rises faster with speed than damping.
         """
-        if self.height >= 0 or self.stick_slip is not None or not self._gain(0.0) > 0:
-            return None
-        inner, outer = 0.0, _FIRST
-        while (gain := self._gain(outer)) > 0:
-            inner, outer = outer, 4 * outer
-            if outer > _ESCAPED:
-                return None
-        if math.isnan(gain):
-            return None
-        q = float(brentq(self._gain, inner, outer, xtol=1e-14, rtol=1e-13))
-        # By differences: where mu falls without bound at rest, as v^0.8, a wedge is lost in the first step.
-        step = _STEP * q
-        factor = 1 + (self._gain(q + step) - self._gain(q - step)) / (2 * step)
-        whole = self.system.slip(q, 0.0, passes=1, rtol=self.rtol)
-        return LimitCycle.of(self.oscillator, 1 - whole.u_least, whole.tau, factor)
+        cycles = []
+        for mark in self.outside.marks:
+            if mark.kind == "cycle":
+                # By differences: where mu falls without bound at rest, as v^0.8, a wedge is lost in a step.
+                q = mark.low * (1 + _STEP * np.array([-1.0, 0.0, 1.0]))
+                below, gain, above = (self.system.rounds(q, self.rtol) - q).tolist()
+                slope = (above - below) / (q[2] - q[0])
+                whole = self.system.slip(q[1] - gain / slope, 0.0, passes=1, rtol=self.rtol)
+                cycles.append(LimitCycle.of(self.oscillator, 1 - whole.u_least, whole.tau, 1 + slope))
+        return tuple(cycles)
 
     @property
     def cycles(self) -> tuple[LimitCycle, ...]:
         """All pure-slip limit cycles by ascending amplitude, unstable ones too; the last may overtake the belt."""
-        return (*self.slip_cycles, *([] if self.overtaking is None else [self.overtaking]))
-
-    def _gain(self, q: float) -> float:
-        """Return by how much a round that begins at q >= 0 ends farther out."""
-        return float(self.system.rounds(np.array([q]), self.rtol)[0]) - q
+        return *self.slip_cycles, *self.overtaking
 
     # -- where other motions go --------------------------------------------------------------------
 
@@ -254,7 +249,13 @@ class Regime(drawing.Drawn):
             return Motion.UNDECIDED
         if self.stick_slip is not None:
             return Motion.STICK_SLIP
-        return self.beyond if self.overtaking is None else Motion.PURE_SLIP
+        return self._outer[0]
+
+    @cached_property
+    def _outer(self) -> list[Motion]:
+        """What rounds come to at each mark outside P's orbit, and beyond the last."""
+        cycle = {"cycle": Motion.PURE_SLIP}
+        return [*(cycle.get(mark.kind, Motion.UNDECIDED) for mark in self.outside.marks), self.beyond]
 
     @property
     def beyond(self) -> Motion:
@@ -271,23 +272,17 @@ class Regime(drawing.Drawn):
         system = self.system
         return 2 * system.zeta + system.eta * system.friction_far_out < 0
 
-    def of_rounds(self, begins: FloatArray, ends: FloatArray) -> ObjectArray:
-        """Return what rounds outside P's orbit lead to, by where they begin and end.
-
-        A periodic one stays. Any other goes on the way it went, unless a round ahead goes the other way: then
-        there is a limit cycle between.
-        """
-        found = np.full(begins.shape, Motion.PURE_SLIP, dtype=object)
-        moved = np.abs(ends - begins) > ADDED * self.rtol * ends
-        if moved.any():
-            near = np.geomspace(ends[moved].min() / _ROUNDS, ends[moved].max(), _ROUNDS)
-            ahead = np.append(near, near[-1] * 4.0 ** np.arange(1, _ROUNDS // 2 + 1))
-            grow = self.system.rounds(ahead, self.rtol) > ahead
-            away = moved & (ends > begins) & (ends >= ahead[~grow].max(initial=0.0))
-            home = moved & (ends < begins) & (ends <= ahead[grow].min(initial=math.inf))
-            for some, name in ((away, "beyond"), (home, "from_onset")):
-                if some.any():
-                    found[some] = getattr(self, name)
+    def of_rounds(self, begins: FloatArray) -> ObjectArray:
+        """Return what rounds outside P's orbit lead to, by where they begin: up to the next mark, or P's orbit."""
+        marks, growth = self.outside
+        place = np.searchsorted([mark.high for mark in marks], begins)
+        ahead = np.array(growth)[place]
+        found = np.array([self.from_onset, *self._outer], dtype=object)[place + (ahead > 0)]
+        found[ahead == 0] = Motion.PURE_SLIP
+        for mark, (within, without) in zip(marks, pairwise(growth), strict=True):
+            if mark.kind == "open" or within < without:
+                margin = ADDED * self.rtol * mark.low
+                found[(begins >= mark.low - margin) & (begins <= mark.high + margin)] = Motion.UNDECIDED
         return found
 
     # -- separatrices and basins -------------------------------------------------------------------
@@ -331,6 +326,10 @@ class Regime(drawing.Drawn):
         elif rest.rate * growth[0] < 0:
             kind = "a stable" if rest.rate > 0 else "an unstable"
             words.append(f"{kind} limit cycle about rest is too small to find")
+        for mark in self.outside.marks:
+            if mark.kind == "open":
+                low, high = (osc.onset(law) + osc.length * q for q in (mark.low, mark.high))
+                words.append(f"whether limit cycles overtake the belt from x = {low:.6g} to {high:.6g} m on")
         return tuple(words)
 
     @cached_property
@@ -342,6 +341,8 @@ class Regime(drawing.Drawn):
         """
         returns = self.stick_slip is not None
         if self.undecided or self.unbounded or any(self.system.rise.jumps) or not (self.height > 0 or returns):
+            return None
+        if self.outside.marks:
             return None
         unstable = [place for place, cycle in enumerate(self.slip_cycles, 1) if not cycle.stable]
         grazes = returns and self.growth[-1] < 0

@@ -1,0 +1,188 @@
+"""Rounds outside P's orbit: motions that overtake the belt and do not stick, and their limit cycles.
+
+A round begins at the belt's speed at a displacement q >= 0, slower than the belt, and ends where that begins
+again, at R(q). Orbits in a plane do not cross, so R never falls; it counts as 0 where the mass sticks or stays
+slower. A limit cycle is a q with R(q) = q. Where R(b) <= a there is none between a and b, and elsewhere
+(R - q)/(R + q) is resolved as a function of log q, up to a reach beyond which no orbit is closed.
+
+**The reach by energy.** With q taken from where all but the spring vanishes at the belt's speed, the force
+a(w) = eta mu(V w) + 2 zeta w acts against the slip. Let a have one sign for all w >= W >= 1, U = W + 1, and
+|a| <= M on the strip |u| <= U of velocities u over the belt's. Outside the strip the energy only falls, or only
+grows. Where |q| >= B > M + U in it all along a closed orbit, |q| varies by 4 U there at most, and both crossings
+of the strip change the energy by -2 J/B to first order, J = 2 int_0^W w a dw + int_W^(U+1) (w - 1) a dw. That has
+the same sign, and outdoes all that is left out, if |J| (B - M) > M U^2 (4 U + 2 M): such an orbit is not closed.
+A closed orbit with |q| < B somewhere in the strip stays within B + 8 U + M, since |u'| >= |q| - M there.
+
+**The reach by losses.** Let eta mu >= l >= 0, and eta mu <= h at slip speeds w <= 1, where alone friction feeds
+energy in; s = eta mu_static, zeta >= 0. An orbit that overtakes passes the belt's speed at X_R >= s - 2 zeta and
+at -X_L >= s + 2 zeta. In a round it loses 2 l (X_R - X_L) at least to the part l of friction, and 2 zeta times its
+area to damping, which is X_R - X_L + pi r^2/2 at least, if it passes u = 0 at -r. It gains (h - l) (d_R + d_L) at
+most, on the stretches over which u goes from 1 to 0 and back, and the energy there gives
+d_R^2 <= 1 + 2 (h - s + 2 zeta) d_R, d_L^2 <= 1 - 2 s d_L and r^2 >= 1 + s^2 - 2 h d_L. Where zeta or mu is
+negative somewhere the same holds for a(w) in place of eta mu, without damping.
+"""
+
+import math
+from functools import lru_cache
+from typing import Literal, NamedTuple
+
+import numpy as np
+from scipy.special import comb
+
+from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.deadline import check_time
+from stickslip_sym.core.resolved import resolve
+from stickslip_sym.model.table import FrictionTable
+from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.steps import ADDED, PRECISE
+
+_NEAREST, _BESIDE = 1e-12, 1e-9  # over the reach, and over a displacement: where a round that sticks is sought
+_FARTHEST = 1e6  # displacement up to which cycles are sought where there is no reach
+_MOST = 4000  # rounds whose growth is computed
+_INSIDE = 0.9  # of R(0): all rounds grow up to there
+
+_DEGREE = 14  # of the polynomials of a law
+_POWERS = np.arange(_DEGREE + 1)
+_BINOMIAL = comb(_POWERS[:, None], _POWERS)
+_BERNSTEIN = _BINOMIAL.T / comb(_DEGREE, _POWERS)[:, None]
+"""Powers of a place from 0 to 1 in Bernstein's polynomials, between whose coefficients a polynomial lies."""
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(_DEGREE // 2 + 1)  # exact for w times such a polynomial
+
+
+Kind = Literal["cycle", "jump", "open"]
+
+
+class Mark(NamedTuple):
+    """Two displacements, and what lies between: a limit cycle, a jump of R past q, or what is not resolved."""
+
+    low: float
+    high: float
+    kind: Kind
+
+
+class Rounds(NamedTuple):
+    """What rounds outside P's orbit do, from inside out.
+
+    - `marks`: where it changes.
+    - `growth`: 1 where rounds grow, -1 where they shrink, 0 where that is not known, before the first mark,
+      between two, and after the last.
+    """
+
+    marks: tuple[Mark, ...]
+    growth: tuple[int, ...]
+
+
+@lru_cache(maxsize=64)
+def _bounded(table: FrictionTable, V: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the edges of intervals of w, and Bernstein coefficients of w and of mu(V w) on each, in rows."""
+    pieces, end = np.asarray(table.at(V, arrays=True).pieces), table.end / V
+    octaves = np.exp2(np.arange(-3.0, math.log2(max(end, 1.0))))
+    edges = np.union1d(np.append(pieces[:, 0], end), octaves[octaves < end])
+    rows = pieces[np.searchsorted(pieces[:, 0], edges[:-1], side="right") - 1]
+    low, width, scale = edges[:-1, None], np.diff(edges)[:, None], rows[:, 2:3]
+    # In powers of t = begin + scale width s, then of s from 0 to 1.
+    begin = (low - rows[:, 1:2]) * scale
+    shifts = np.tril(begin[:, :, None] ** np.maximum(_POWERS[:, None] - _POWERS, 0)) * _BINOMIAL
+    powers = np.einsum("ik,ikj->ij", rows[:, 3:], shifts) * (scale * width) ** _POWERS
+    return edges, low + width * _POWERS / _DEGREE, table.onset + powers @ _BERNSTEIN
+
+
+def reaches(system: Dimensionless, eta: FloatArray, zeta: FloatArray) -> FloatArray:
+    """Return how far out closed orbits may lie that overtake the belt, by their losses, for many oscillators.
+
+    Where it is 0 or less there is none. It is infinite where a(w) < 0 somewhere.
+    """
+    edges, w, mu = _bounded(system.table, system.V)
+    damping = np.where((zeta >= 0) & (mu.min() >= 0), zeta, 0.0)
+    slower = edges[:-1] < 1
+    low, high = eta * mu.min(), eta * mu[slower].max()
+    for i in np.flatnonzero(damping != zeta).tolist():
+        a = eta[i] * mu + 2 * zeta[i] * w
+        low[i], high[i] = a.min(), a[slower].max()
+    s = eta * system.table.static
+    ahead, d_L = high - s + 2 * damping, np.hypot(s, 1) - s
+    gain = (high - low) * (ahead + np.hypot(ahead, 1) + d_L)
+    gain -= np.pi * damping * np.maximum(1 + s**2 - 2 * high * d_L, s**2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where((low >= 0) & (low + damping > 0), gain / (2 * (low + damping)) - 2 * s, math.inf)
+
+
+def reach(system: Dimensionless) -> float:
+    """Return a displacement beyond which no orbit is closed; infinite if a has no certain sign far out."""
+    edges, w, mu = _bounded(system.table, system.V)
+    a = system.eta * mu + 2 * system.zeta * w
+    low, high = a.min(axis=1), a.max(axis=1)
+    nodes, half = (1 + _NODES[:, None]) / 2, np.diff(edges) / 2
+    basis = _BINOMIAL[-1] * nodes**_POWERS * (1 - nodes) ** _POWERS[::-1]
+    speeds = w[:, :1] + 2 * half[:, None] * nodes.T
+    J = np.append(0.0, 2 * np.cumsum(half * ((speeds * (a @ basis.T)) @ _WEIGHTS)))[:-1]
+    W, U = edges[:-1], edges[:-1] + 1
+    largest = np.maximum.accumulate(np.maximum(np.abs(low), np.abs(high)))
+    M = largest[np.searchsorted(W, U + 1, side="right") - 1]
+    least, noise = math.inf, PRECISE * abs(system.eta * system.table.onset)
+    for one_sign, work in ((low >= -noise, J), (high <= noise, -J)):
+        certain = np.logical_and.accumulate(one_sign[::-1])[::-1] & (W >= 1) & (work > 0)
+        with np.errstate(all="ignore"):
+            B = M + np.maximum(U, M * U**2 * (4 * U + 2 * M) / work)
+            least = min(least, float(np.nanmin((B + 8 * U + 2 * M)[certain], initial=math.inf)))
+    return least
+
+
+def rounds_outside(system: Dimensionless, rtol: float) -> Rounds:
+    """Return where rounds outside P's orbit grow and shrink, with steps of a relative tolerance."""
+
+    def ends(q: FloatArray) -> FloatArray:
+        R = system.rounds(q, rtol, few=0)
+        check_time()
+        return np.where(np.isnan(R), 0.0, np.where(R < 0, math.nan, R))
+
+    def growth(x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        q = np.exp(x)
+        R = ends(q)
+        with np.errstate(invalid="ignore"):
+            return np.where(np.isinf(R), R, (R - q) / (R + q)), np.full(x.shape, ADDED * rtol)
+
+    bound = float(reaches(system, np.array([system.eta]), np.array([system.zeta]))[0])
+    if bound <= 0:
+        return Rounds((), (-1,))
+    bound = min(bound, reach(system))
+    first, inner, marks = float(ends(np.zeros(1))[0]), list[Mark](), list[Mark]()
+    if math.isnan(first):
+        return Rounds((Mark(0.0, math.inf, "open"),), (0, 0))
+    if first >= bound:  # as where it moves away for ever
+        return Rounds((), (1,))
+    far = min(bound, _FARTHEST * max(1.0, first))
+    low = _INSIDE * first
+    if first == 0:
+        inside, low = far * _NEAREST, far
+        at_inside, at_low = ends(np.array([inside, low])).tolist()
+        if at_low <= 0:
+            return Rounds((), (-1,))
+        while at_inside <= 0 and at_low > inside and low > inside * (1 + _BESIDE):
+            middle = math.sqrt(inside * low)
+            (R,) = ends(np.array([middle])).tolist()
+            inside, low, at_low = (middle, low, at_low) if R <= 0 else (inside, middle, R)
+        if at_inside > 0:
+            inside, low, at_low = 0.0, inside, at_inside
+        if (
+            at_low > inside
+        ):  # as where static friction holds the mass, faster than the belt, up to one displacement
+            inner.append(Mark(inside, low, "jump"))
+        if low >= far:
+            return Rounds(tuple(inner), (-1, *[1] * len(inner)))
+    found = resolve(growth, [math.log(low), math.log(far)], rtol=ADDED * rtol, most=_MOST)
+    for begin, end in np.exp(found.unresolved).tolist():
+        R = ends(np.array([begin, end]))
+        if not (R[1] <= begin or R[0] >= end):
+            marks.append(Mark(begin, end, "open"))
+    folds = [math.exp(turn.x) for turn in found.turns[1:-1] if abs(turn.value) <= turn.error]
+    marks += [Mark(q, q, "open") for q in folds]  # two cycles, or none
+    for root in found.roots():
+        kind: Kind = "cycle" if abs(found(root.x)) <= ADDED * rtol else "jump"
+        marks.append(Mark(math.exp(root.x), math.exp(root.x), kind))
+    marks.sort()
+    begins, lasts = [low, *(mark.high for mark in marks)], [*(mark.low for mark in marks), far]
+    between = [found((math.log(begin) + math.log(end)) / 2) for begin, end in zip(begins, lasts, strict=True)]
+    signs = [int(np.sign(value)) * (abs(value) > ADDED * rtol) for value in between]
+    beyond = [Mark(far, math.inf, "open")] if far < bound else []
+    return Rounds((*inner, *marks, *beyond), (*[-1] * len(inner), *signs, *[0] * len(beyond)))
