@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.aliases import BoolArray
+from stickslip_sym.core.aliases import BoolArray, ObjectArray
 from stickslip_sym.core.errors import NotConverged, OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
@@ -73,12 +73,12 @@ class BasinMap(CellMap):
         The attractors, and the separatrices of their basins.
     share : dict of Motion to Share
         The part of the box, from the lowest x0 and v0 to the highest, that leads to each motion: by the
-        areas inside the separatrices, or counted where geometry does not settle them.
+        areas inside the separatrices, or counted where geometry does not settle them, or is wrong.
     simulated : int
         How many initial conditions were simulated: those that geometry does not settle, and a sample of the
-        others as a check.
+        others as a check. If that disagrees with geometry all are, as far as the time limit lets.
     disagreements : int
-        How many of the sample lead elsewhere than geometry says; the simulated motion stands.
+        How many of them lead elsewhere than geometry says; the simulated motion stands.
     notes : dict of (int, int) to str
         By row and column, why an initial condition failed, or what geometry said where it disagrees.
     """
@@ -95,8 +95,8 @@ class BasinMap(CellMap):
         return {"motion": files.texts(self.motion)}
 
     def _summary(self) -> str:
-        differ = f"; {self.disagreements} simulated ones disagree with geometry" if self.disagreements else ""
-        return f"{super()._summary()}; {self.simulated} simulated{differ}"
+        wrong = f"{self.disagreements} of {self.simulated} simulated ones disagree with geometry; "
+        return f"{wrong if self.disagreements else ''}{super()._summary()}; {self.simulated} simulated"
 
     def _rows(self) -> tuple[Sequence[str], list[list[str]]]:
         rows = [[motion.value, str(n), str(self.share.get(motion, ""))] for motion, n in self.count().items()]
@@ -173,25 +173,36 @@ def basin_map(
     require_few(x.size, v.size)
     found = kept_regime(law, osc, TIGHT)  # separatrices are few, and decide about many initial conditions
     sides, share = np.full((v.size, x.size), None, dtype=object), dict[Motion, Share]()
+
+    def simulated(chosen: BoolArray) -> ObjectArray:
+        rows, columns = np.nonzero(chosen)
+        return followed(law, osc, rtol, np.array([x[columns], v[rows]]), workers)
+
+    def differ(fate: object, side: Motion | None) -> bool:
+        return side is not None and isinstance(fate, Motion) and fate not in (side, Motion.UNDECIDED)
+
     with deadline.time_limit(time_limit):
         with suppress(OutOfTime):
             deadline.check_time()
             sides = found.by_side(x, v[:, None])
             if min(x.size, v.size) > 1:
                 share = shares_by_area(found, (x[0], x[-1]), (v[0], v[-1]))
-        motion = sides.copy()
-        known = np.flatnonzero(motion)
-        check = np.random.default_rng(_SEED).choice(known, min(known.size, _CHECKED), replace=False)
-        chosen = ~motion.astype(bool)
-        chosen.flat[check] = True
-        rows, columns = np.nonzero(chosen)
-        fates = followed(law, osc, rtol, np.array([x[columns], v[rows]]), workers)
+        fates, known = np.full(sides.shape, None, dtype=object), sides.astype(bool)
+        chosen = ~known
+        sample = np.flatnonzero(known)
+        chosen.flat[np.random.default_rng(_SEED).choice(sample, min(sample.size, _CHECKED), replace=False)] = True
+        fates[chosen] = simulated(chosen)
+        if any(differ(*pair) for pair in zip(fates[known & chosen], sides[known & chosen], strict=True)):
+            share = {}  # the sides of the separatrices are not what decides
+            fates[~chosen] = simulated(~chosen)
+    motion = np.where(fates.astype(bool), fates, sides)
     notes, disagreements = dict[tuple[int, int], str](), 0
-    for place, fate in zip(zip(rows.tolist(), columns.tolist(), strict=True), fates, strict=True):
-        motion[place] = fate if isinstance(fate, Motion) else Motion.UNDECIDED
+    for place in zip(*map(np.ndarray.tolist, np.nonzero(fates)), strict=True):
+        fate = fates[place]
         if not isinstance(fate, Motion):
+            motion[place] = Motion.UNDECIDED
             notes[place] = LATE if isinstance(fate, OutOfTime) else str(fate)
-        elif sides[place] not in (None, fate):
+        elif differ(fate, sides[place]):
             disagreements += 1
             notes[place] = f"geometry says {sides[place].value}"
     if len(notes) - disagreements == motion.size and LATE not in notes.values():
@@ -200,7 +211,7 @@ def basin_map(
         for one in Motion:
             if value := float(np.mean(motion == one)):
                 share[one] = Share(value, math.sqrt(value * (1 - value) / motion.size), counted=True)
-    return BasinMap(axes, law, asdict(osc), motion, found, share, len(fates), disagreements, notes)
+    return BasinMap(axes, law, asdict(osc), motion, found, share, np.count_nonzero(fates), disagreements, notes)
 
 
 def shares_by_area(found: Regime, x0: tuple[float, float], v0: tuple[float, float]) -> dict[Motion, Share]:

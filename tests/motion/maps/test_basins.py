@@ -11,6 +11,8 @@ from scipy.optimize import brentq
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
+from stickslip_sym.motion.maps import basins
+from stickslip_sym.motion.regimes.classification import followed
 from stickslip_sym.motion.regimes.regime import kept_regime
 
 BISTABLE = ss.laws.exponential.bind(mu_s=1, mu_m=0.5, alpha=2), ss.Oscillator(m=1, k=1, c=0.1, V=1.5, N=1)
@@ -95,22 +97,36 @@ def test_shares_are_areas_within_the_unstable_cycle(seed):
 
 
 def test_wrong_sides_are_noticed(monkeypatch):
-    """Where geometry is wrong the sample that is followed says so, and is what stands."""
+    """Where geometry is wrong the sample that is followed says so; then all are followed that time allows."""
     law, osc = BISTABLE
-    x0, v0 = np.linspace(-2, 2, 8), [0.1, 0.5]
-    right = ss.basin_map(law, osc, x0=x0, v0=v0)
+    box = {"x0": np.linspace(-2, 2, 32), "v0": np.linspace(0.1, 1.0, 8)}
+    right = ss.basin_map(law, osc, **box)
+    assert not any(share.counted for share in right.share.values())
 
     def swapped(*arguments, **options):
         found = copy(kept_regime(*arguments, **options))
         vars(found)["basins"] = found.basins[::-1]
         return found
 
-    monkeypatch.setattr("stickslip_sym.motion.maps.basins.kept_regime", swapped)
-    wrong = ss.basin_map(law, osc, x0=x0, v0=v0)
-    assert wrong.disagreements == 16
-    assert "16 simulated ones disagree with geometry" in repr(wrong)
+    monkeypatch.setattr(basins, "kept_regime", swapped)
+    wrong = ss.basin_map(law, osc, **box)
+    assert (wrong.simulated, wrong.disagreements) == (256, 256)
+    assert "; 256 of 256 simulated ones disagree with geometry; " in repr(wrong)
     assert wrong.notes[0, 0] == "geometry says rest"
     assert (wrong.motion == right.motion).all()
+    for motion, share in wrong.share.items():
+        at = (right.motion == motion).astype(float)
+        assert (share.counted, share.value) == (True, at.mean())
+        assert share.error == pytest.approx(at.std() / 16)  # of the mean of as many
+
+    def in_time(*arguments):
+        fates = followed(*arguments)
+        return fates if fates.size > 60 else np.full(fates.shape, ss.OutOfTime("late"), dtype=object)
+
+    monkeypatch.setattr(basins, "followed", in_time)
+    late = ss.basin_map(law, osc, **box)
+    assert (late.disagreements, late.count()[Motion.UNDECIDED]) == (200, 56)
+    assert "time limit" in late.notes[tuple(np.argwhere(late.motion == Motion.UNDECIDED)[0].tolist())]
 
 
 def test_pure_slip_draws_every_motion():

@@ -91,14 +91,14 @@ def test_no_orbit_is_closed_beyond_the_reach(seed):
         system = replace(Dimensionless.of(law, ss.Oscillator(m=1, k=1, c=0, V=V, N=1)), eta=eta)
         way = rng.choice([-1, -1, 1])
         system = replace(system, zeta=way * zeta)
-        by_losses, weak = overtaking.reaches(system, np.full(2, system.eta), zeta * np.array([way, 0.01]))
+        by_losses, weak = overtaking.reaches(system, np.array([eta, eta / 10]), np.array([way * zeta, eta / 1e4]))
         for far in filter(np.isfinite, (by_losses, overtaking.reach(system))):
             q = max(far, 1e-3) * 10 ** rng.uniform(0, 2, 40)
             out, among = (system.rounds(some, 1e-11) > some for some in (q, q * far / q.max() / 30))
             assert out.all() or not out.any()
             found += 1
             inside += among.any() and not among.all()
-        (first,) = replace(system, zeta=zeta / 100).rounds(np.zeros(1), 1e-11)
+        (first,) = replace(system, eta=eta / 10, zeta=eta / 1e4).rounds(np.zeros(1), 1e-11)
         assert not max(weak, 0.0) < first < np.inf  # a cycle is farther out than a round from P comes
         weakly += first > 0
     assert (found > 10, inside > 1, weakly > 1) == (True, True, True)
