@@ -211,7 +211,9 @@ def basin_map(
         for one in Motion:
             if value := float(np.mean(motion == one)):
                 share[one] = Share(value, math.sqrt(value * (1 - value) / motion.size), counted=True)
-    return BasinMap(axes, law, asdict(osc), motion, found, share, np.count_nonzero(fates), disagreements, notes)
+    return BasinMap(
+        axes, law, asdict(osc), motion, found, share, int(fates.astype(bool).sum()), disagreements, notes
+    )
 
 
 def shares_by_area(found: Regime, x0: tuple[float, float], v0: tuple[float, float]) -> dict[Motion, Share]:
