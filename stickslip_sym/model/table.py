@@ -29,9 +29,10 @@ import numpy as np
 import sympy as sp
 from flint import acb, arb
 from numpy.polynomial import Polynomial, chebyshev
+from numpy.typing import ArrayLike
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray
+from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, IntArray
 from stickslip_sym.core.balls import BallFunction, ball_function
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.numbers import SAME
@@ -54,6 +55,8 @@ _RESOLVED = 4  # halvings, after which what is left may be noise of a rise compu
 _NARROWEST = 1e-13  # relative width of an interval that is not halved again
 _POLE = 1e6  # a coefficient on the narrowest interval as high as that is a pole's
 _PARTED = 2.0  # widths of a transition, and distances from it, an interval is wide at most
+_NARROW = 0.125  # times its own speed: an octave halved that often may hide from a grid of phases
+_LEAP = 1 / 32  # times its own speed: the stages of the longest steps meet whatever is wider
 _STEEPER = 4.0  # times the steepest slope of a polynomial: balls are larger than what they hold
 _CUTS = 3  # halvings of the ball over an interval, to bring it closer to what it holds
 _CUTS_AT_REST = 12  # of the first interval, where mu may be singular at 0, towards 0
@@ -87,8 +90,8 @@ class Rise(NamedTuple):
     """A rise as a function of w = v/V.
 
     - `pieces`: the polynomials.
-    - `levels`: w at which each smooth segment of the law begins, the first 0, and after the last where the table
-      ends.
+    - `levels`: w at which each segment of the law begins, the first 0, and after the last where the table ends;
+      a segment is smooth, and ends too where pieces become much narrower, or wider again.
     - `firsts`: number of the first interval of each segment, and after the last how many intervals there are.
     - `jumps`: by how much mu rises at the beginning of each segment; 0 at a kink without jump.
     """
@@ -187,14 +190,46 @@ class FrictionTable:
         """Return the rise, or the slope of mu, at an array of slip speeds in m/s within the table."""
         return _values(self.pieces[np.searchsorted(self.pieces[:, 0], v, side="right") - 1], v, derivative)
 
+    @cached_property
+    def narrow(self) -> FloatArray:
+        """Ends of the pieces that are narrow beside their own speed, where mu varies quickly; a row each."""
+        low, high = self.pieces[:, 0], np.append(self.pieces[1:, 0], self.end)
+        return np.column_stack([low, high])[high - low < _NARROW * low]
+
+    def resolved(self, low: ArrayLike, high: ArrayLike, phases: ArrayLike) -> BoolArray:
+        """Whether harmonic motions between slip speeds meet every narrow piece at some of their phases.
+
+        - `phases`: of half a period.
+        """
+        low, high, phases = (
+            np.asarray(of, np.float64)[..., None] for of in np.broadcast_arrays(low, high, phases)
+        )
+        shares = (self.narrow.T - low[..., None]) / (high - low)[..., None]
+        begin, end = np.moveaxis(2 * np.arcsin(np.sqrt(np.clip(shares, 0.0, 1.0))), -2, 0)
+        missed: BoolArray = (begin < end) & (end - begin < np.pi / phases)
+        return ~missed.any(axis=-1) & (high[..., 0] <= self.end)
+
     @lru_cache(maxsize=64)  # noqa: B019  # few tables live as long
     def at(self, V: float, *, arrays: bool = False) -> Rise:
         """Return the rise as a function of w = v/V, as lists for plain Python or as arrays for compiled code."""
         pieces = self.pieces / np.array([V, V, 1 / V, *np.ones(_DEGREE + 1)])
-        levels = np.array([0.0, *self.kinks, self.end]) / V
+        firsts = np.unique(np.concatenate([self.firsts, self._landings]))
+        levels = np.append(self.pieces[firsts[:-1], 0], self.end) / V
+        jumps = np.zeros(len(firsts) - 1)
+        jumps[np.searchsorted(firsts, self.firsts[:-1])] = self.jumps
         if arrays:
-            return Rise(pieces, levels, np.array(self.firsts), self.jumps)
-        return Rise(list(map(tuple, pieces.tolist())), levels.tolist(), list(self.firsts), self.jumps.tolist())
+            return Rise(pieces, levels, firsts, jumps)
+        return Rise(list(map(tuple, pieces.tolist())), levels.tolist(), firsts.tolist(), jumps.tolist())
+
+    @property
+    def _landings(self) -> IntArray:
+        """Numbers of pieces at whose begin a step ends, since it would step over what they hold.
+
+        They are narrow, or a narrow piece comes before them, and is not as wide.
+        """
+        low, width = self.pieces[:, 0], np.diff(self.pieces[:, 0], append=self.end)
+        leap = width < _LEAP * low
+        return 1 + np.flatnonzero((leap[1:] | leap[:-1]) & ~np.isclose(width[1:], width[:-1]))
 
     @cached_property
     def jumps(self) -> FloatArray:

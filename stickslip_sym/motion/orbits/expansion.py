@@ -21,6 +21,7 @@ from stickslip_sym.core.aliases import BoolArray, ComplexArray, FloatArray
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.table import FrictionTable
 from stickslip_sym.motion.orbits.needed import ROUNDING
 
 _GRIDS = (32, 192, 1152)  # phases in half a period; the next where these do not do
@@ -54,7 +55,8 @@ class Expansion(NamedTuple):
     - `harmonic`, `second`: in s/m and (s/m)^3.
     - `overtones`: the amplitudes of the overtones times their orders, in s/m.
     - `largest`: the largest slope on the orbit, in s/m.
-    - `tail`: size of the highest coefficients of friction, relative.
+    - `tail`: size of the highest coefficients of friction, relative; infinite where phases miss a narrow piece of
+      the law.
     - `phases`: of half a period, of which it was made.
     """
 
@@ -83,8 +85,11 @@ def expand(law: FrictionLaw, V: ArrayLike, *, grids: Sequence[int] = _GRIDS) -> 
     for size in grids:
         again = ~found.resolved
         if again.any():
-            for column, finer in zip(found, _expand(_falls(law, V[again], size)), strict=True):
-                column[again] = finer
+            finer = _expand(_falls(law, V[again], size))
+            seen = FrictionTable.of(law).resolved(0.0, 2 * V[again], size)
+            finer = finer._replace(tail=np.where(seen, finer.tail, np.inf))
+            for column, values_there in zip(found, finer, strict=True):
+                column[again] = values_there
     return found
 
 

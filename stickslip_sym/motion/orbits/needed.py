@@ -169,7 +169,7 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
     low, high, slope = -math.inf, math.inf, _FALL
     zeta, largest = _harmonic(rise, eta, A)
     reach = 0.1 * max(abs(zeta), largest + abs(push))
-    if max(largest, abs(push)) <= 0.1 * ROUNDING * abs(eta):
+    if max(largest, abs(push)) == 0.0:
         return Found.ROOT, 0.0, 0.0, low, high
     if not largest < _WILD:
         return Found.LOST, zeta, math.inf, low, high

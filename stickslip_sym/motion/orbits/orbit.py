@@ -26,11 +26,13 @@ from scipy.linalg.lapack import dgesv
 from stickslip_sym.core.aliases import ComplexArray, FloatArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.table import FrictionTable
 from stickslip_sym.motion.orbits.expansion import coefficients, of_layer, slope_average, values
 
 _GRIDS = (32, 64, 128, 192)  # points a period; finer ones take longer than a simulation
 _MOST_STEPS = 10  # of Newton's method
 _CLOSE = 1e-8  # a step of Newton's method after which the next would be rounding
+_FINER = 8  # times, the grid on which the lowest velocity is sought
 _ROUNDING = 4e-15  # of d, as a part of the largest slope
 
 
@@ -112,7 +114,7 @@ def _solved(orbit: "_Orbit", rtol: float, added: Sequence[FrictionLaw]) -> list[
             relative = error / abs(d) if d else math.inf if error else 0.0
             velocity = orbit.velocity
             changes = orbit.changes(added) if added else ()
-            return [d, relative, float(orbit.g(velocity).mean()) - d, float(velocity.min()), *changes]
+            return [d, relative, float(orbit.g(velocity).mean()) - d, orbit.lowest, *changes]
         orbit, before = orbit.on(_GRIDS[_GRIDS.index(len(g)) + 1]), math.inf
     return [np.nan, np.inf, np.nan, np.nan] + [np.nan] * len(added)
 
@@ -152,13 +154,27 @@ class _Orbit:
 
     @classmethod
     def start(cls, law: FrictionLaw, V: float, strength: float, A: float, harmonic: float) -> "_Orbit":
-        """Return the harmonic motion on the coarsest grid."""
-        return cls(law, V, strength, A, harmonic, np.array([0, A / 2 + 0j]), harmonic).on(_GRIDS[0])
+        """Return the harmonic motion on the coarsest grid that misses nothing of the law, or on the finest."""
+        orbit = cls(law, V, strength, A, harmonic, np.array([0, A / 2 + 0j]), harmonic)
+        return next(filter(_Orbit.sees, map(orbit.on, _GRIDS[:-1])), orbit.on(_GRIDS[-1]))
+
+    def sees(self) -> bool:
+        """Whether the grid meets every narrow piece of the law's table within the orbit's speeds."""
+        low, high = self.V * (1 - self.A), self.V * (1 - self.lowest)
+        return bool(FrictionTable.of(self.law).resolved(low, high, len(self.z)))
 
     @property
     def velocity(self) -> FloatArray:
         """The velocity z on the grid."""
         return values(self.z)
+
+    @property
+    def lowest(self) -> float:
+        """The lowest velocity, between the points of the grid too: that of a parabola on a finer one."""
+        fine = self.on(_FINER * 2 * len(self.z)).velocity
+        left, middle, right = np.roll(fine, 1 - int(fine.argmin()))[:3]
+        bend = left - 2 * middle + right
+        return float(middle - (right - left) ** 2 / (8 * bend) if bend > 0 else middle)
 
     def on(self, size: int) -> "_Orbit":
         """Return the iterate on another grid."""
@@ -169,10 +185,12 @@ class _Orbit:
         return -self.strength * self.law.at_speeds(self.V * np.abs(1 - velocity), derivative=True)
 
     def unseen(self) -> float:
-        """Return what the grid may miss of d: what it misses of that by harmonic balance, and a layer at rest."""
+        """Return what the grid may miss of d: that by harmonic balance, a layer at rest, or a narrow piece."""
         theta = (np.arange(2 * len(self.z)) + 0.5) * (np.pi / len(self.z))
         seen = 2 * float((self.g(self.A * np.cos(theta)) * np.sin(theta) ** 2).mean())
         V, strength = np.array([self.V]), np.array([self.strength])
+        if not self.sees():
+            return math.inf
         layer = float(of_layer(self.law, V, strength, len(self.z))[0]) if self.A == 1 else 0.0
         return abs(seen - self.harmonic) + layer
 

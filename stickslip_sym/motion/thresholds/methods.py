@@ -20,6 +20,7 @@ from stickslip_sym.core.numbers import lookup
 from stickslip_sym.criteria import criterion as criteria
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.table import FrictionTable
 from stickslip_sym.motion.orbits.expansion import expand, expansion_changes, of_layer, slope_average
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.orbits.orbit import obstacle, orbits
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 _MANY = 200  # simulated thresholds, for which loading the compiled code is no loss
 _PHASES, _RESOLVED = 64, 3e-5  # of half a period, and the tail that the law may have on them for collocation
 _FALLS = 30.0  # by so much the tail is smaller on the finest grid of collocation, where it has to be within rtol
+_BESIDE = 1e-6  # of V: an orbit that comes so close to a kink is taken to pass it
 _REFERENCE = 1e-9  # of a threshold that gives the error of an average, or says where a proof has to look
 
 
@@ -297,6 +299,11 @@ def _by_expansion(points: OperatingPoints, rtol: float) -> Computed:
         layer = points.impedance * of_layer(points.law, points.V, strength, weak.phases)
         more = (strength * weak.overtones) ** 4 * scale + layer
         error = resolution + np.where(more == 0, 0.0, more / np.abs(value)) + ROUNDING
+        # The orbit goes beyond 2 V by its overtones, to where the expansion does not look.
+        beyond = points.V * (2 + strength * weak.overtones + _BESIDE)
+        first = min(map(float, points.law.kinks()), default=math.inf)
+        smooth = FrictionTable.of(points.law).resolved(2 * points.V, beyond, 1) & (beyond < first)
+        error[~smooth] = np.inf
     return Computed(value, np.where(np.isfinite(value) & ~np.isnan(error), error, np.inf))
 
 
@@ -328,7 +335,7 @@ def _orbit_cost(points: OperatingPoints, rtol: float) -> FloatArray:
 def _by_orbit(points: OperatingPoints, rtol: float) -> Computed:
     found = orbits(points.law, points.V, points.strength, rtol=rtol)
     value, error = found.d * points.impedance, found.relative_error
-    reason = obstacle(points.law, points.V, float(np.fmin.reduce(found.lowest, initial=0.0)))
+    reason = obstacle(points.law, points.V, float(np.fmin.reduce(found.lowest, initial=0.0)) - _BESIDE)
     if reason is not None:
         refusals = dict.fromkeys(range(len(points)), _not_smooth("orbit", reason))
         return Computed(np.full_like(value, np.nan), np.full_like(error, np.inf), refusals)

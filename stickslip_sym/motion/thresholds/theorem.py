@@ -13,6 +13,7 @@ from decimal import Decimal, localcontext
 from fractions import Fraction
 from functools import partial
 
+from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Rational
 from stickslip_sym.core.balls import ball_value
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold
@@ -139,10 +140,12 @@ def prove_threshold(point: ExactPoint, guess: float, error: float, rtol: float) 
     Raises `NotConverged` if a decision does not fall; it says where the boxes grew.
     """
     hypotheses = checked_hypotheses(point)
-    if guess == 0:
-        raise NoThreshold(
-            "the threshold is 0: friction does no work along the orbit, and nothing is left to enclose"
+    if guess == 0 and point.law.expr.has(symbols.v):
+        raise NotConverged(
+            "in double precision the threshold was not distinguished from 0, near which nothing is enclosed"
         )
+    if guess == 0:
+        raise NoThreshold("the threshold is 0: friction does no work on a round, and nothing is left to enclose")
     search = Search(partial(transit, point), "c in kg/s")
     found = search.around(guess, error, rtol)
     undamped = None
