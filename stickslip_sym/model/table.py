@@ -290,6 +290,7 @@ class _Segment:
         edges = begin * 2.0 ** np.arange(max(1, math.ceil(math.log2(high / begin))) + 1)
         edges[-1] = high
         accepted, waiting = list[FloatArray](), [(edges[:-1], edges[1:], 0)]
+        reached = np.zeros(edges.size)
         while waiting:
             low, upper, halvings = waiting.pop()
             low, upper = low[low < high], upper[low < high]
@@ -302,12 +303,13 @@ class _Segment:
             # A speed is rounded, which shows where mu is steep.
             level = _TAIL * (scale + np.ptp(values, axis=1) * upper / (upper - low))
             level += _NOISE * (scale + abs(self.onset)) if halvings >= _RESOLVED else 0.0
-            if not halvings:
-                reached = np.fmax.accumulate(np.append(0.0, scale))  # up to the end of each octave
+            octave = np.searchsorted(edges, low, side="right")
+            np.maximum.at(reached, octave, np.where(np.isfinite(scale), scale, 0.0))
+            reached = np.maximum.accumulate(reached)  # the highest rise up to the end of each octave
             level += _NOISE * reached[-1] if self.derivative else 0.0
             fits = (np.abs(coefficients[:, -2:]).max(axis=1) <= level) & ~self.hides(low, upper)
             steepest = _STEEPER * 2 * np.abs(values @ _SLOPES).max(axis=1)
-            steepest += _UNSEEN * (level + _TAIL * reached[np.searchsorted(edges, low, side="right")]) + _TINY
+            steepest += _UNSEEN * (level + _TAIL * reached[octave]) + _TINY
             for i in np.flatnonzero(fits & ~narrow):
                 fits[i] = self.is_sure(low[i], upper[i], steepest[i] / (upper[i] - low[i]))
             fits = np.isfinite(scale) & (fits | (narrow & (scale < _POLE * (1 + abs(self.onset)))))

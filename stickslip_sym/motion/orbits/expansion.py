@@ -10,23 +10,17 @@ nothing cancels at small belt speeds.
 """
 
 from collections.abc import Sequence
-from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
-import sympy as sp
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core.aliases import BoolArray, ComplexArray, FloatArray
-from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.table import FrictionTable
 from stickslip_sym.motion.orbits.needed import ROUNDING
 
 _GRIDS = (32, 192, 1152)  # phases in half a period; the next where these do not do
-_OCTAVES = 40  # of the phase, to which panels shrink towards the graze
-_NODES = 16
 
 
 # Fourier series on 2 K phases theta_j = (j + 1/2) pi/K of a period, the midpoints of cells: of real functions, by
@@ -140,46 +134,6 @@ def _expand(half: FloatArray) -> Expansion:
     with np.errstate(invalid="ignore", divide="ignore"):
         tail = np.nan_to_num(np.where(high == 0, 0.0, high / largest), nan=np.inf, posinf=np.inf)
     return Expansion(harmonic, second, np.abs(b) @ n, largest, tail, np.full(len(half), size))
-
-
-def slope_average(
-    law: FrictionLaw, V: ArrayLike, A: ArrayLike = 1.0, *, criterion: Criterion = harmonic, parts: int = 1
-) -> FloatArray:
-    """Return the average of -mu' at belt speeds V by the weight of a criterion, in s/m.
-
-    Over the slip speeds V (1 - A) to V (1 + A) of a harmonic motion of velocity amplitude A V.
-
-    Gauss-Legendre panels in the phase, v = V (1 - cos(theta)), halved again and again towards v = 0: a law whose
-    features lie at any part of the belt's speed down to 1e-24 of it is resolved. A fall that is steep for its own
-    speed needs panels cut into more parts.
-    """
-    V, A = (column[:, None] for column in np.broadcast_arrays(np.asarray(V, np.float64), A))
-    theta, _ = _graded(parts)
-    fall = -law.at_speeds(V * ((1 - A) + 2 * A * np.sin(theta / 2) ** 2), derivative=True)
-    # No product of matrices: threads would wait for each other longer than they work.
-    average: FloatArray = (fall * _shares(criterion, parts)).sum(axis=1)
-    return average
-
-
-@lru_cache(maxsize=32)
-def _shares(criterion: Criterion, parts: int) -> FloatArray:
-    """Return what each node contributes to an average."""
-    theta, weight = _graded(parts)
-    sine: FloatArray = np.sin(theta)
-    p, q = sp.symbols("p q", positive=True)
-    value = function_of([p, q], criterion.from_ends(p, q), "numpy")
-    shares: FloatArray = weight * value(2 * np.sin(theta / 2) ** 2, 2 * np.cos(theta / 2) ** 2) * sine
-    return shares
-
-
-@cache
-def _graded(parts: int) -> tuple[FloatArray, FloatArray]:
-    """Return the nodes and weights of the panels, each cut into parts."""
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-    octaves = np.append(0.0, 2.0 ** np.arange(-_OCTAVES, 1))
-    ends = np.pi * np.interp(np.arange(parts * (_OCTAVES + 1) + 1) / parts, np.arange(_OCTAVES + 2), octaves)
-    half = np.diff(ends)[:, None] / 2
-    return (ends[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()
 
 
 def of_layer(law: FrictionLaw, V: FloatArray, strength: FloatArray, phases: ArrayLike) -> FloatArray:

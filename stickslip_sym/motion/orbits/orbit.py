@@ -25,9 +25,10 @@ from scipy.linalg.lapack import dgesv
 
 from stickslip_sym.core.aliases import ComplexArray, FloatArray
 from stickslip_sym.core.deadline import check_time
+from stickslip_sym.criteria.rule import slope_average
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.table import FrictionTable
-from stickslip_sym.motion.orbits.expansion import coefficients, of_layer, slope_average, values
+from stickslip_sym.motion.orbits.expansion import coefficients, of_layer, values
 
 _GRIDS = (32, 64, 128, 192)  # points a period; finer ones take longer than a simulation
 _MOST_STEPS = 10  # of Newton's method
@@ -69,7 +70,7 @@ def orbits(
     """
     V, strength, A = (np.ravel(column).astype(np.float64) for column in np.broadcast_arrays(V, strength, A))
     with np.errstate(all="ignore"):  # iterates that run away are given up
-        harmonic = strength * slope_average(law, V, A)
+        harmonic = strength * slope_average(law, V, A)[0]
         starts = [_Orbit.start(law, *point) for point in np.transpose([V, strength, A, harmonic]).tolist()]
         rows = np.reshape([_solved(start, rtol, added) for start in starts], (-1, 4 + len(added)))
     d, relative_error, exponent, lowest = rows[:, :4].T

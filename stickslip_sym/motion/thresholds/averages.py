@@ -13,17 +13,19 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
-from stickslip_sym.core.numbers import SAME
+from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.criteria.criterion import Criterion
+from stickslip_sym.criteria.rule import slope_average
 from stickslip_sym.model.expression.pieces import jumps
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.orbits.expansion import slope_average
+from stickslip_sym.model.table import FrictionTable
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 
 if TYPE_CHECKING:
     from stickslip_sym.formula.slope_average import SlopeAverage
 
-_MOST_PARTS = 64  # of a panel: falls within a thousandth of their own speed are resolved
+_RESOLVED = 1e-6  # error of an average by Gauss's rule, relative, above which it is refused,
+_CANCELLED = 1e-11  # unless it is rounding: over the average of abs(mu')
 
 
 @dataclass(frozen=True)
@@ -50,30 +52,29 @@ def average(law: FrictionLaw, criterion: Criterion, V: FloatArray) -> FloatArray
     return np.atleast_1d(compiled(V=V, N=np.ones_like(V), **values))
 
 
-@lru_cache(maxsize=128)  # to find them takes longer than an average of a measured law
-def _has_kinks(law: FrictionLaw) -> bool:
-    return bool(law.kinks())
+def slope_mean(
+    law: FrictionLaw,
+    criterion: Criterion,
+    V: FloatArray,
+    table: FrictionTable | None = None,
+    like: FrictionTable | None = None,
+) -> FloatArray:
+    """Return the same by Gauss's rule: nothing is made for each value of a parameter.
 
+    - `table`, `like`: as for `criteria.rule.slope_average`.
 
-def slope_mean(law: FrictionLaw, criterion: Criterion, V: FloatArray) -> FloatArray:
-    """Return the same by Gauss rules where mu is smooth: nothing is made for each value of a parameter.
-
-    Their panels are cut in two until they agree, as where mu falls like a step at a speed above rest.
+    Raises `NotConverged` where the slopes do not add up to the rise of mu.
     """
     if not law.expr.has(symbols.v):
         return np.zeros_like(V)
-    if _has_kinks(law):
-        return average(law, criterion, V)
-    if criterion.weight is None:
-        return -law.at_speeds(V, derivative=True)
-    found, again, parts = slope_average(law, V, criterion=criterion), np.arange(V.size), 1
-    while parts < _MOST_PARTS and again.size:
-        parts *= 2
-        finer = slope_average(law, V[again], criterion=criterion, parts=parts)
-        off = np.abs(finer - found[again])
-        found[again] = finer
-        again = again[off > SAME * np.abs(finer)]
-    return found
+    mean, error, size = slope_average(law, V, criterion=criterion, table=table, like=like)
+    off = np.flatnonzero((error > _RESOLVED * np.abs(mean)) & (error > _CANCELLED * size))
+    if off.size:
+        raise NotConverged(
+            f"the {criterion.name} average of the slope of mu at V = {V[off[0]]:g} m/s is known to "
+            f"{error[off[0]]:.1e} s/m only, for a value of {mean[off[0]]:.3g}: mu varies too quickly there"
+        )
+    return mean
 
 
 def average_changes(criterion: Criterion, points: OperatingPoints) -> dict[str, FloatArray]:
@@ -81,7 +82,12 @@ def average_changes(criterion: Criterion, points: OperatingPoints) -> dict[str, 
     law, N, V = points.law, points.N, points.V
 
     def changed(name: str) -> FloatArray:
-        return N * (slope_mean(law.partial(name), criterion, V) + _of_jumps(law, criterion, V, name))
+        partial = law.partial(name)
+        table = FrictionTable.of(law)
+        smooth = not (table.kinks or table.narrow.size)
+        own = None if smooth else FrictionTable.of(partial, 2 * float(V.max()))
+        by_slopes = slope_mean(partial, criterion, V, own, table if smooth else None)
+        return N * (by_slopes + _of_jumps(law, criterion, V, name))
 
     return (
         {name: np.zeros_like(V) for name in points.columns}

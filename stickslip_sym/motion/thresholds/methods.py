@@ -19,9 +19,10 @@ from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged, NoThr
 from stickslip_sym.core.numbers import lookup
 from stickslip_sym.criteria import criterion as criteria
 from stickslip_sym.criteria.criterion import Criterion
+from stickslip_sym.criteria.rule import slope_average
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.table import FrictionTable
-from stickslip_sym.motion.orbits.expansion import expand, expansion_changes, of_layer, slope_average
+from stickslip_sym.motion.orbits.expansion import expand, expansion_changes, of_layer
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.orbits.orbit import obstacle, orbits
 from stickslip_sym.motion.steps import TIGHT
@@ -289,11 +290,11 @@ def _by_expansion(points: OperatingPoints, rtol: float) -> Computed:
     """
     del rtol  # the value is what it is
     weak, strength, N = points.weak, points.strength, points.N
-    everything = slope_average(points.law, points.V)
+    everything, unsure, _ = slope_average(points.law, points.V)
     with np.errstate(all="ignore"):  # for strong friction the expansion is no number, or a huge one
         value = N * (weak.harmonic + strength**2 * weak.second)
         # `tail` is relative to the largest slope; a layer between v = 0 and the first phase would pass unseen.
-        off = [weak.tail * weak.largest, np.abs(weak.harmonic - everything)]
+        off = [weak.tail * weak.largest, np.abs(weak.harmonic - everything) + unsure]
         resolution = sum(np.where(one == 0, 0.0, one / np.abs(weak.harmonic)) for one in off)
         scale = N * np.maximum(weak.largest, np.abs(everything))
         layer = points.impedance * of_layer(points.law, points.V, strength, weak.phases)

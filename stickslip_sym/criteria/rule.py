@@ -1,0 +1,135 @@
+"""A criterion in floats: averages of the falling slope at many belt speeds by Gauss's rule.
+
+Panels in the phase of a harmonic motion, v = V (1 - A cos(theta)), are halved again and again towards rest, so
+that features at any part of the belt's speed down to 1e-24 of it are resolved, and parted wherever the law's table
+has narrow pieces or kinks. Jumps of mu are added. The slopes have to add up to the rise of mu: by how much they do
+not is part of the error.
+"""
+
+from collections.abc import Callable
+from functools import lru_cache
+from itertools import chain
+from typing import Any, TypeAlias
+
+import numpy as np
+import sympy as sp
+from numpy.typing import ArrayLike
+
+from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.core.numbers import SAME
+from stickslip_sym.criteria.criterion import Criterion, harmonic
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.table import FrictionTable
+
+_OCTAVES = 40  # of the phase, to which panels shrink towards rest
+_NODES = 16
+_MOST_PARTS = 64  # of a panel: falls within a thousandth of their own speed are resolved
+_Others: TypeAlias = tuple[Criterion, FrictionTable, bool, tuple[float, ...]]
+_Three: TypeAlias = tuple[FloatArray, FloatArray, FloatArray]
+_ROUNDING = 1e-14  # of the average of abs(mu')
+
+
+def slope_average(
+    law: FrictionLaw, V: ArrayLike, A: ArrayLike = 1.0, *, criterion: Criterion = harmonic,
+    table: FrictionTable | None = None, like: FrictionTable | None = None,
+) -> _Three:  # fmt: skip
+    """Return averages of -mu' by the weight of a criterion, their errors, and those of abs(mu'), in s/m.
+
+    - `A`: they are over the slip speeds V (1 - A) to V (1 + A), for the harmonic criterion.
+    - `table`: that of the law, where it is at hand.
+    - `like`: in its place that of a smooth law which this one is the derivative of: it varies at the same speeds.
+    """
+    V, A = (np.array(column, np.float64).ravel() for column in np.broadcast_arrays(V, A))
+    if criterion.weight is None:
+        slope = slope_between(law, V)
+        return -slope, _ROUNDING * np.abs(slope), np.abs(slope)
+    own, table = like is None, like or table or FrictionTable.of(law)
+    parting = np.unique([*table.narrow.ravel(), *table.kinks])
+    inside = (parting > (V * (1 - A))[:, None]) & (parting < (V * (1 + A))[:, None])
+    parted = inside.any(axis=1)
+    average, error, size = np.empty((3, V.size))
+    for rows in chain([np.flatnonzero(~parted)], np.flatnonzero(parted)[:, None]):
+        if rows.size:
+            ends = tuple((parting[inside[rows[0]]] / V[rows[0]] - 1 + A[rows[0]]) / (2 * A[rows[0]]))
+            points = law, V[rows, None], A[rows, None], criterion, table, own, ends
+            average[rows], error[rows], size[rows] = _settled(*points)
+    return average, error, size
+
+
+def slope_between(law: FrictionLaw, V: FloatArray) -> FloatArray:
+    """Return mu'(V); at a kink the mean of the slopes on both sides, by which small motions decay."""
+    slope = law.at_speeds(V, derivative=True)
+    for kink in map(float, law.kinks()):
+        at = kink == V
+        below = law.at_speeds(np.nextafter(V[at], 0.0), derivative=True)
+        slope[at] = (below + law.at_speeds(np.nextafter(V[at], np.inf), derivative=True)) / 2
+    return slope
+
+
+def _settled(law: FrictionLaw, V: FloatArray, A: FloatArray, *others: *_Others) -> _Three:
+    """Return what is asked for once panels of half the width say the same; arguments as for `_summed`."""
+    average, size, off = _summed(law, V, A, *others, 1)
+    error, again, parts = np.full(V.size, np.inf), np.arange(V.size), 1
+    while again.size and parts < _MOST_PARTS:
+        parts *= 2
+        finer, size[again], off[again] = _summed(law, V[again], A[again], *others, parts)
+        error[again] = np.abs(finer - average[again])
+        average[again] = finer
+        again = again[error[again] > SAME * np.abs(finer)]
+    return average, error + off + _ROUNDING * size, size
+
+
+def _summed(
+    law: FrictionLaw, V: FloatArray, A: FloatArray, criterion: Criterion, table: FrictionTable, own: bool,
+    parting: tuple[float, ...], parts: int,
+) -> _Three:  # fmt: skip
+    """Return averages of -mu' and of abs(mu'), and what the sum of slopes is off, each in s/m.
+
+    - `V`, `A`: columns.
+    - `own`: whether the table is that of the law, and not of one which it is the derivative of.
+    - `parting`: where panels end, as parts of the range of slip speeds.
+    """
+    ends, theta, weight = _graded(parts, parting)
+    slope = law.at_speeds(V * ((1 - A) + 2 * A * np.sin(theta / 2) ** 2), derivative=True)
+    share = weight * np.sin(theta)  # of s = (v - V)/(V A)
+    weighted = share * _weight(criterion, theta)
+    # No product of matrices: threads would wait for each other longer than they work.
+    average, size = -(slope * weighted).sum(axis=1), (np.abs(slope) * np.abs(weighted)).sum(axis=1)
+    if not own:
+        return average, size, 0.0 * average
+    speeds = V * ((1 - A) + 2 * A * np.sin(ends / 2) ** 2)
+    rises = np.diff(table.values(speeds), axis=1)
+    for kink, jump in zip(table.kinks, table.jumps[1:].tolist(), strict=True):
+        if jump and parting and speeds[0, 0] < kink < speeds[0, -1]:
+            at = int(np.abs(speeds[0] - kink).argmin())
+            average -= jump * _weight(criterion, ends[at]) / (V * A)[:, 0]
+            rises[:, at - (speeds[0, at] >= kink)] -= jump  # of the panel on whose side rounding put the end
+    # Slopes at rounded speeds do not add up to the rise where mu is steep; the rise is what counts there.
+    lack = rises / (V * A) - (slope * share).reshape(len(V), -1, _NODES).sum(axis=2)
+    heights = _weight(criterion, ends)
+    average -= (lack * (heights[1:] + heights[:-1]) / 2).sum(axis=1)
+    off = (np.abs(lack) * np.abs(np.diff(heights))).sum(axis=1)
+    return average, size, np.where(speeds[:, -1] <= table.end, off, np.inf)
+
+
+def _weight(criterion: Criterion, theta: FloatArray) -> FloatArray:
+    """Return the weight of a criterion at phases."""
+    values: FloatArray = _function(criterion)(2 * np.sin(theta / 2) ** 2, 2 * np.cos(theta / 2) ** 2)
+    return values + 0.0 * theta  # of a constant weight
+
+
+@lru_cache(maxsize=32)
+def _function(criterion: Criterion) -> Callable[[FloatArray, FloatArray], Any]:
+    p, q = sp.symbols("p q", positive=True)
+    return function_of([p, q], criterion.from_ends(p, q), "numpy")
+
+
+@lru_cache(maxsize=32)
+def _graded(parts: int, parting: tuple[float, ...]) -> _Three:
+    """Return the ends of the panels, each cut into parts, and their nodes and weights."""
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    whole = np.unique([0.0, *np.pi * 2.0 ** np.arange(-_OCTAVES, 1), *2 * np.arcsin(np.sqrt(parting))])
+    ends = np.interp(np.arange(parts * (whole.size - 1) + 1) / parts, np.arange(whole.size), whole)
+    half = np.diff(ends)[:, None] / 2
+    return ends, (ends[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()
