@@ -29,8 +29,9 @@ _COARSE = 1e3  # times what was asked for, above which an error hides roots
 _FARTHEST = 1e300  # from a value, that a bisection is to see
 _REAL = 1e-3  # imaginary part of a root of a slope, of a double root that rounding has parted
 
-_NODES = -np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))  # ascending
-_COEFFICIENTS = np.linalg.inv(chebyshev.chebvander(_NODES, _DEGREE)).T
+NODES = -np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))
+"""Chebyshev's, ascending."""
+_COEFFICIENTS = np.linalg.inv(chebyshev.chebvander(NODES, _DEGREE)).T
 
 Sampled = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """A function of many arguments: its values, infinite where it lies beyond every level and NaN where unknown, and
@@ -155,7 +156,16 @@ class Resolved:
             if piece.error > _COARSE * self.rtol * largest
             and min(values) - piece.error <= level <= max(values) + piece.error
         ]
-        return _joined(sorted([*self.unresolved, *coarse]))
+        return joined(sorted([*self.unresolved, *coarse]))
+
+
+def fitted(low: float, high: float, values: FloatArray, errors: FloatArray, rtol: float) -> Piece | None:
+    """Return the polynomial through values at the `NODES` between two arguments; None if it is not resolved."""
+    if not np.isfinite(values).all():
+        return None
+    coefficients = values @ _COEFFICIENTS
+    error = float(_NOISE * errors.max() + rtol * np.abs(values).max())
+    return Piece(low, high, coefficients, error) if np.abs(coefficients[-_TAIL:]).max() <= error else None
 
 
 def resolve(function: Sampled, edges: Sequence[float], *, rtol: float, most: int) -> Resolved:
@@ -168,18 +178,17 @@ def resolve(function: Sampled, edges: Sequence[float], *, rtol: float, most: int
     low, high = np.array(edges[:-1], dtype=np.float64), np.array(edges[1:], dtype=np.float64)
     narrowest = _NARROWEST * (edges[-1] - edges[0])
     pieces, unresolved, left = list[Piece](), list[tuple[float, float]](), most
-    while low.size and (left := left - low.size * _NODES.size) >= 0:
-        nodes = (low + high)[:, None] / 2 + (high - low)[:, None] / 2 * _NODES
+    while low.size and (left := left - low.size * NODES.size) >= 0:
+        nodes = (low + high)[:, None] / 2 + (high - low)[:, None] / 2 * NODES
         values, errors = (column.reshape(nodes.shape) for column in function(nodes.ravel()))
-        beyond = np.isinf(values[:, 0]) & (values == values[:, :1]).all(axis=1)
-        with np.errstate(invalid="ignore"):
-            coefficients = values @ _COEFFICIENTS
-            tail = np.abs(coefficients[:, -_TAIL:]).max(axis=1)
-            error = _NOISE * errors.max(axis=1) + rtol * np.abs(values).max(axis=1)
-            fits = beyond | (tail <= error)
-        for i in np.flatnonzero(fits).tolist():
-            row, off = (values[i, :1], 0.0) if beyond[i] else (coefficients[i], error[i])
-            pieces.append(Piece(float(low[i]), float(high[i]), row, float(off)))
+        fits, beyond = (
+            np.zeros(low.size, dtype=bool),
+            np.isinf(values[:, 0]) & (values == values[:, :1]).all(axis=1),
+        )
+        for i, ends in enumerate(zip(low.tolist(), high.tolist(), strict=True)):
+            piece = Piece(*ends, values[i, :1], 0.0) if beyond[i] else fitted(*ends, values[i], errors[i], rtol)
+            fits[i] = piece is not None
+            pieces += [piece] if piece is not None else []
         unknown = np.isnan(values).all(axis=1)
         unresolved += zip(low[unknown].tolist(), high[unknown].tolist(), strict=True)
         halved = ~fits & ~unknown & (high - low > narrowest)
@@ -187,10 +196,10 @@ def resolve(function: Sampled, edges: Sequence[float], *, rtol: float, most: int
         low, high = np.concatenate((low[halved], middle)), np.concatenate((middle, high[halved]))
     unresolved += zip(low.tolist(), high.tolist(), strict=True)
     ascending = sorted(pieces, key=lambda piece: piece.low)
-    return Resolved(tuple(ascending), tuple(_joined(sorted(unresolved))), rtol)
+    return Resolved(tuple(ascending), tuple(joined(sorted(unresolved))), rtol)
 
 
-def _joined(intervals: list[tuple[float, float]]) -> list[tuple[float, float]]:
+def joined(intervals: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Join intervals that touch, of ascending ones."""
     joined = intervals[:1]
     for low, high in intervals[1:]:

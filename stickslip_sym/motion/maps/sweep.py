@@ -7,17 +7,16 @@ meet where the damping that slip orbits need has an extremum (fold).
 
 import math
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import cache
-from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray
-from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.core.errors import NO_RESULT, InputError
+from stickslip_sym.core.resolved import NODES, Piece, Resolved, Turn, fitted, joined
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
@@ -29,7 +28,6 @@ from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.damping import needed_damping
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.regimes.regime import Regime, kept_regime
-from stickslip_sym.motion.roots import NEAREST, closest, sign_changes
 from stickslip_sym.motion.steps import TIGHT
 
 if TYPE_CHECKING:
@@ -39,6 +37,9 @@ if TYPE_CHECKING:
 
 _LINES = {"Hopf": ":", "graze": "-", "fold": "--"}
 _CLOSE = 1e-9  # relative error that is asked for of a graze and a fold
+_RTOL = 1e-8  # of an extremum of the needed damping, that polynomials over the quantity leave out
+_MOST_VALUES = 1000  # of the quantity, at which the needed damping is resolved
+_NARROWEST = 1e-4  # of the range of the quantity: extrema come and go within
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ class Change:
     value : float
         In the unit of the axis.
     error : float
-        Estimated, absolute; where a fold is only known to lie between two values of the axis, half their distance.
+        Estimated, absolute.
     """
 
     kind: Literal["Hopf", "graze", "fold"]
@@ -74,6 +75,8 @@ class BasinSweep(Table):
         As `BasinMap.share` has them; NaN where geometry does not settle the basins.
     changes : tuple of Change
         Where basins are born and die between the first value and the last, by ascending value.
+    unresolved : tuple of (float, float)
+        Between which values there may be folds that `changes` does not have; empty as a rule.
     x0, v0 : tuple of float
         The box: displacements in m, velocities in m/s.
     """
@@ -81,6 +84,7 @@ class BasinSweep(Table):
     share: dict[Motion, FloatArray]
     error: dict[Motion, FloatArray]
     changes: tuple[Change, ...]
+    unresolved: tuple[tuple[float, float], ...]
     x0: tuple[float, float]
     v0: tuple[float, float]
 
@@ -91,10 +95,16 @@ class BasinSweep(Table):
         return {f"{kind} of {motion.value}": rows[motion] for motion in self.share for kind, rows in kinds}
 
     def _summary(self) -> str:
-        return "; ".join(map(str, self.changes)) or "no basin is born or dies"
+        words = [*map(str, self.changes)] or ["no basin is born or dies"]
+        return "; ".join([*words, *(f"{kind} from {values}" for kind, values in self._open)])
+
+    @property
+    def _open(self) -> list[tuple[str, str]]:
+        return [("folds not resolved", f"{low:.9g} to {high:.9g}") for low, high in self.unresolved]
 
     def _rows(self) -> tuple[Sequence[str], list[list[str]]]:
         rows = [[change.kind, f"{change.value:.12g}", f"{change.error:.1g}"] for change in self.changes]
+        rows += [[*row, ""] for row in self._open]
         return ["where basins are born or die", self.x.label, "error"], rows
 
     def draw(self, ax: "Axes") -> "list[Artist]":
@@ -128,7 +138,8 @@ def basin_sweep(
 ) -> BasinSweep:
     """Return the share of a box of initial conditions that each motion draws, over one quantity.
 
-    The shares are areas inside the separatrices, so nothing is sampled.
+    The shares are areas inside the separatrices, so nothing is sampled. Folds are the extrema of the damping that
+    slip orbits need: over c they are read from it, over another quantity from polynomials that follow each.
 
     Parameters
     ----------
@@ -171,9 +182,8 @@ def basin_sweep(
     with deadline.time_limit(time_limit):
         regimes = [at(value) for value in values]
         shares = [shares_by_area(found, *box) for found in regimes]
-        changes = _critical(regimes[0].law, regimes[0].oscillator, axis)
-        for low, high in pairwise(values):
-            changes += _folds(at, low, high, max(abs(low), abs(high)))
+        folds, unresolved = _folds(at, values[0], values[-1], axis.name == "c")
+        changes = [*_critical(regimes[0].law, regimes[0].oscillator, axis), *folds]
     present = [motion for motion in Motion if any(motion in share for share in shares)]
     none, unsettled = Share(0.0, 0.0), Share(math.nan, math.nan)
     table = {motion: [share.get(motion, none if share else unsettled) for share in shares] for motion in present}
@@ -181,7 +191,7 @@ def basin_sweep(
         (axis,), law, {name: value for name, value in asdict(osc).items() if name != axis.name},
         {motion: np.array([share.value for share in row]) for motion, row in table.items()},
         {motion: np.array([share.error for share in row]) for motion, row in table.items()},
-        tuple(sorted(changes, key=lambda change: change.value)), *box,
+        tuple(sorted(changes, key=lambda change: change.value)), tuple(unresolved), *box,
     )  # fmt: skip
 
 
@@ -210,31 +220,80 @@ def _critical(law: FrictionLaw, osc: Oscillator, axis: Axis) -> list[Change]:
     return [one for one in changes if grid[0] <= one.value <= grid[-1]]
 
 
-def _folds(at: Callable[[float], Regime], low: float, high: float, scale: float) -> list[Change]:
-    """Return where two cycles in pure slip meet; distances are over a scale.
+def _folds(
+    at: Callable[[float], Regime], low: float, high: float, over_damping: bool
+) -> tuple[list[Change], list[tuple[float, float]]]:
+    """Return where two cycles in pure slip meet between two values, and where such may be missed.
 
-    Their number changes by two there. By one it changes where rest loses stability, and where a cycle touches the
-    belt's speed. Once the two are close, the extremum of the gap between them passes 0 at the fold.
+    They do where an extremum of the needed damping is the damping there is.
     """
-    ends = at(low), at(high)
-    numbers = [np.count_nonzero(np.diff(end.growth)) for end in ends]
-    change = abs(numbers[0] - numbers[1])
-    middle, half = (low + high) / 2, (high - low) / 2
-    with suppress(InputError, NotConverged):  # then it is only known to lie between the two
-        if change and half > NEAREST * scale:
-            return _folds(at, low, middle, scale) + _folds(at, middle, high, scale)
-        if change > 1:
-            more = max(ends, key=lambda end: len(end.slip_cycles))
-            amplitudes = np.array([cycle.amplitude for cycle in more.slip_cycles]) / more.oscillator.V
-            first = int(np.argmin(np.diff(amplitudes)))
-            inner, outer = amplitudes[first : first + 2].tolist()
+    if over_damping:
+        need, unit = needed_damping(at(low).law, at(low).oscillator), at(low).oscillator.impedance
+        folds = [Change("fold", turn.value * unit, turn.error * unit) for turn in need.turns[1:-1]]
+        return [one for one in folds if low <= one.value <= high], [(low, high)] * bool(need.resolved.unresolved)
 
-            def extremum(value: float) -> float:
-                need, damping = needed_damping(at(value).law, at(value).oscillator), 2 * at(value).oscillator.zeta
-                sign, flat = -more.growth[first + 1], math.sqrt(ROUNDING)
-                return closest(lambda A: need.gap(A, damping), inner, outer, sign, flat)[1]
+    @cache
+    def excess(value: float) -> list[Turn] | None:
+        """Return the extrema of the needed damping minus what there is; None where they are not known."""
+        try:
+            osc = at(value).oscillator
+            need = needed_damping(at(value).law, osc)
+            if need.resolved.unresolved:
+                return None
+        except NO_RESULT:
+            return None
+        units = [(turn.value * osc.impedance - osc.c, turn.error * osc.impedance) for turn in need.turns]
+        return [Turn(turn.x, *unit) for turn, unit in zip(need.turns, units, strict=True)]
 
-            error = _CLOSE * scale * (1 + 1 / more.system.eta)  # of weak friction all gaps are small
-            for value in sign_changes(extremum, (low, high), (extremum(low), extremum(high)), ROUNDING):
-                return [Change("fold", value, error)]
-    return [Change("fold", middle, half)] if change > 1 else []
+    folds, unresolved, left, ranges = list[Change](), list[tuple[float, float]](), _MOST_VALUES, [(low, high)]
+    while ranges:
+        first, last = ranges.pop()
+        left -= NODES.size
+        turns = (
+            [excess(x) for x in ((first + last + (last - first) * NODES) / 2).tolist()] if left >= 0 else [None]
+        )
+        branches = _branches(first, last, turns)
+        if branches is not None:
+            folds += [fold for piece in branches for fold in _crossings(piece)]
+        elif all(turns) and _passed_by(turns):
+            pass
+        elif any(turns) and last - first > _NARROWEST * (high - low):
+            middle = (first + last) / 2
+            ranges += [(middle, last), (first, middle)]
+        else:
+            unresolved.append((first, last))
+    return folds, joined(unresolved)
+
+
+def _branches(low: float, high: float, rows: list[list[Turn] | None]) -> list[Piece] | None:
+    """Return extrema between two values as polynomials; None where they come or go, or are not followed."""
+    if (
+        not all(rows)
+        or len({(len(turns), turns[0].value < turns[1 % len(turns)].value) for turns in rows if turns}) > 1
+    ):
+        return None
+    columns = list(zip(*(turns[1:-1] for turns in rows if turns), strict=True))
+    pieces = [
+        fitted(
+            low, high, np.array([turn.value for turn in column]), np.array([turn.error for turn in column]), _RTOL
+        )
+        for column in columns
+    ]
+    return None if None in pieces else [piece for piece in pieces if piece is not None]
+
+
+def _passed_by(rows: list[list[Turn]]) -> bool:
+    """Whether all extrema stay on one side of the damping there is, farther off than they move."""
+    values = [turn.value for turns in rows for turn in turns[1:-1]]
+    nearest, farthest = min(map(abs, values), default=math.inf), max(map(abs, values), default=0.0)
+    return farthest - nearest < nearest and (min(values) > 0 or max(values) < 0)
+
+
+def _crossings(piece: Piece) -> list[Change]:
+    """Return where an extremum is the damping there is."""
+    step = math.sqrt(ROUNDING) * (piece.high - piece.low)
+    folds = list[Change]()
+    for root in Resolved((piece,), (), _RTOL).roots():
+        slope = (piece.at(root.x + step) - piece.at(root.x - step)) / (2 * step)
+        folds.append(Change("fold", root.x, piece.error / abs(slope) if slope else piece.high - piece.low))
+    return folds

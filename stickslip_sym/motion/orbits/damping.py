@@ -22,7 +22,7 @@ from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.resolved import Resolved, Turn, resolve
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.oscillator import Oscillator, as_oscillator
+from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import FrictionTable
 from stickslip_sym.motion.compiled import is_ready
 from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, Found, halves, needed_all, needed_ratio, sure_gap
@@ -258,11 +258,10 @@ def quick_speeds(table: FrictionTable, V: float) -> list[float]:
 
 def needed_damping(law: FrictionLaw, osc: Oscillator) -> NeededDamping:
     """Return the damping that slip orbits need as a function of their amplitude; the c of `osc` is not used."""
-    osc = as_oscillator(osc)
-    return _kept(law, osc.eta, osc.V)
+    system = Dimensionless.of(law, osc)
+    return _kept(system.table, system.eta, system.V)
 
 
 @lru_cache(maxsize=64)  # cycles at many dampings read one
-def _kept(law: FrictionLaw, eta: float, V: float) -> NeededDamping:
-    table = FrictionTable.of(law)
+def _kept(table: FrictionTable, eta: float, V: float) -> NeededDamping:
     return NeededDamping(Dimensionless(eta, 0.0, replace(table, static=table.onset), V))

@@ -70,7 +70,7 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     friction = 1 / (V * osc.impedance)  # deta/dN
     excess = push / eta if eta else 0.0
     found = {
-        "V": Wedge(-push / V, 0.0, -eta / V, _stretched(rise.pieces), [-level / V**2 for level in levels]),
+        "V": Wedge(-push / V, 0.0, -eta / V, _stretched(rise.pieces), [-level / V / V for level in levels]),
         "N": Wedge(excess * friction, 0.0, -friction, rise.pieces, still),
     }
     for name, parameter in law.parameters.items():

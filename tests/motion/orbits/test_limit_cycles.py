@@ -1,6 +1,7 @@
 """Pure-slip limit cycles against simulation from both sides, and their number."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -60,6 +61,112 @@ def test_floquet_exponent_is_slope_of_needed_damping():
     low, cycle, high = (ss.limit_cycles(law, paper_oscillator(c))[0] for c in (3.25 - h, 3.25, 3.25 + h))
     slope = 2 * h / (high.amplitude - low.amplitude)
     assert cycle.floquet == pytest.approx(cycle.amplitude * slope / 2, rel=0.02)
+
+
+WAVY = ss.FrictionLaw("a+b*exp(-v/s)+h*cos(w*v)*exp(-(v/q)**2)").bind(
+    a=0.323, b=0.1724, s=0.7627, h=0.01072, w=55.28, q=1.1416
+)
+WAVY_POINT = ss.Oscillator(m=4.396, k=7.314, c=0.0855, V=0.4468, N=0.626786)
+GRID = np.linspace(0.005, 0.999, 100)
+
+
+def growth(law, osc, amplitudes):
+    """Return the sign of the growth of a motion in one round, from peaks over V: 0 within rounding."""
+    system = Dimensionless.of(law, osc)
+    system = replace(system, table=replace(system.table, static=system.table.onset))
+    q = np.array([system.turn(w) for w in (1 - amplitudes).tolist()])
+    slips = system.slips(q, 1 - amplitudes, until=End.MINIMUM, rtol=1e-12)
+    out = np.isin(slips.end, (End.RETURN, End.OUTSIDE))
+    off = np.select([slips.end == End.MINIMUM, out], [1 - slips.w, math.inf], 0.0) - amplitudes
+    return np.sign(off) * (np.abs(off) > 1e-11)
+
+
+def contradictions(law, osc, cycles):
+    """Return where simulated rounds contradict cycles: from 100 amplitudes, and from both sides of each cycle."""
+    A = np.array([cycle.amplitude for cycle in cycles]) / osc.V
+    signs = growth(law, osc, GRID)
+    sure = np.flatnonzero(signs)
+    odd = np.diff(np.searchsorted(A, GRID[sure])) % 2 == 1
+    wrong = GRID[sure][1:][odd != (np.diff(signs[sure]) != 0)].tolist()
+    if not cycles:
+        return wrong
+    gaps = np.diff([0.0, *A, 1.0])
+    step = np.minimum(1e-6 * A, np.minimum(gaps[:-1], gaps[1:]) / 3)
+    way = np.where([cycle.stable for cycle in cycles], 1, -1)
+    sides = (growth(law, osc, A - step) == -way) | (growth(law, osc, A + step) == way)
+    return [*wrong, *A[sides].tolist()]
+
+
+def random_law(u, V, waves):
+    """Return a law with waves on a fall, or of three lines that meet in kinks and jumps."""
+    if waves:
+        wave = f"{10 ** u(-3, -1.7):.5f}*cos({u(10, 60) / V:.4f}*v+{u(0, 6):.3f})*exp(-(v/{u(0.5, 3) * V:.4f})^2)"
+        return ss.FrictionLaw(f"{u(0.2, 0.4):.4f}+{u(0.05, 0.3):.4f}*exp(-v/{u(0.3, 2):.4f})+{wave}")
+    first, second = np.sort(u(0.1, 2, 2)) * V
+    levels, slopes = u(0.3, 0.6, 3), u(-0.3, 0.3, 2) / V
+    if u() < 0.5:  # a kink
+        levels[1] = levels[0] + slopes[0] * first
+    lines = [
+        f"{level:.6f}+({slope:.4f})*(v-{v:.4f})"
+        for level, slope, v in zip(levels[:2], slopes, (0, first), strict=True)
+    ]
+    return ss.FrictionLaw(
+        f"Piecewise(({lines[0]}, v<{first:.4f}), ({lines[1]}, v<{second:.4f}), ({levels[2]:.4f}, True))"
+    )
+
+
+def random_point(seed):
+    """Return a law and an oscillator at the damping of one of its orbits, or beside."""
+    rng = np.random.default_rng([39, seed])
+    u, V = rng.uniform, rng.uniform(0.2, 1)
+    law, (m, k) = random_law(u, V, seed % 2 == 0), 10 ** u(-1, 1, 2)
+    osc = ss.Oscillator(m=m, k=k, c=0.0, V=V, N=10 ** u(-1.3, 0.5) * V * math.sqrt(m * k))
+    c = float(needed_damping(law, osc).at(u(0.05, 0.95))) * osc.impedance
+    return law, replace(osc, c=c * (1 + rng.choice([0.0, 1e-4, -1e-4, 0.01, -0.01])))
+
+
+@sweep("seed", range(200), 0, 1, 2, 3, 4, 5, 7, 9)
+def test_cycles_of_waves_and_jumps_are_those_of_simulated_rounds(seed):
+    law, osc = random_point(seed)
+    assert contradictions(law, osc, ss.limit_cycles(law, osc)) == []
+
+
+def test_waves_have_two_cycles_between_amplitudes_that_shrink():
+    inner, outer = ss.limit_cycles(WAVY, WAVY_POINT)
+    assert (inner.stable, outer.stable) == (False, True)
+    assert contradictions(WAVY, WAVY_POINT, (inner, outer)) == []
+    assert contradictions(WAVY, WAVY_POINT, ()) != []  # the simulation sees the two of them
+    assert contradictions(WAVY, WAVY_POINT, (inner,)) != []
+    assert [str(one).split(" of")[0] for one in ss.regime(WAVY, WAVY_POINT).attractors] == [
+        "rest at x = 0.0366193 m", "pure slip with a highest velocity",
+    ]  # fmt: skip
+
+
+def test_two_cycles_as_close_as_a_thousandth():
+    """Beside each fold of the damping that orbits need, on the side where it has two cycles."""
+    need = needed_damping(WAVY, WAVY_POINT)
+    inside = need.turns[1:-1]
+    assert len(inside) == 6
+    for i, turn in enumerate(inside):
+        way = 1 if turn.value > need.turns[i].value else -1  # a maximum: cycles below it
+        bend = abs(sum(need.at([turn.x - 1e-3, turn.x + 1e-3])) - 2 * turn.value) / 1e-6
+        for side, number in ((1, 2), (-1, 0)):
+            damping = turn.value - way * side * bend * 4e-4**2 / 2
+            osc = replace(WAVY_POINT, c=damping * WAVY_POINT.impedance)
+            near = [one for one in ss.limit_cycles(WAVY, osc) if abs(one.amplitude / osc.V - turn.x) < 2e-3]
+            assert len(near) == number
+            assert sum(one.stable for one in near) == number // 2
+            if near:
+                assert near[1].amplitude - near[0].amplitude == pytest.approx(8e-4 * osc.V, rel=0.1)
+
+
+def test_what_is_not_resolved_is_named(monkeypatch):
+    """With too few orbits; not where a motion goes through all amplitudes, so that no cycle is there."""
+    law = WAVY.bind(w=55.3)
+    monkeypatch.setattr("stickslip_sym.motion.orbits.damping._MOST", 16)
+    with pytest.raises(ss.NotConverged, match=r"amplitudes from 0\.0004468 to 0\.4468 m/s are not resolved"):
+        ss.limit_cycles(law, WAVY_POINT)
+    assert ss.limit_cycles(law, replace(WAVY_POINT, c=10.0)) == ()
 
 
 KINKED = ss.FrictionLaw("Piecewise((0.5 - 0.2*v, v < 0.7), 0.36)")
