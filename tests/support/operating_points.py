@@ -5,6 +5,10 @@ import numpy as np
 import stickslip_sym as ss
 
 TWO = ss.FrictionLaw("0.4 - 0.3*(v - 0.5) - 2*(v - 0.5)^3 + 8*(v - 0.5)^5")  # mu' about V = 0.5 in even powers
+WAVY = ss.FrictionLaw("a+b*exp(-v/s)+h*cos(w*v)*exp(-(v/q)**2)").bind(
+    a=0.323, b=0.1724, s=0.7627, h=0.01072, w=55.28, q=1.1416
+)
+WAVY_POINT = ss.Oscillator(m=4.396, k=7.314, c=0.0855, V=0.4468, N=0.626786)
 
 
 def paper_oscillator(c=0.0, **changes):

@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
+from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 _LINES = {"Hopf": ":", "graze": "-", "fold": "--"}
 _CLOSE = 1e-9  # relative error that is asked for of a graze and a fold
 _RTOL = 1e-8  # of an extremum of the needed damping, that polynomials over the quantity leave out
+_FARTHEST = 1e300  # extrema beyond are infinite
 _MOST_VALUES = 1000  # of the quantity, at which the needed damping is resolved
 _NARROWEST = 1e-4  # of the range of the quantity: extrema come and go within
 
@@ -233,60 +235,55 @@ def _folds(
         return [one for one in folds if low <= one.value <= high], [(low, high)] * bool(need.resolved.unresolved)
 
     @cache
-    def excess(value: float) -> list[Turn] | None:
-        """Return the extrema of the needed damping minus what there is; None where they are not known."""
+    def excess(value: float) -> list[Turn]:
+        """Return the extrema of the needed damping minus what there is, with both ends; none if unknown."""
         try:
             osc = at(value).oscillator
             need = needed_damping(at(value).law, osc)
-            if need.resolved.unresolved:
-                return None
+            known = not need.resolved.unresolved
         except NO_RESULT:
-            return None
-        units = [(turn.value * osc.impedance - osc.c, turn.error * osc.impedance) for turn in need.turns]
-        return [Turn(turn.x, *unit) for turn, unit in zip(need.turns, units, strict=True)]
+            return []
+        unit = osc.impedance
+        return [Turn(turn.x, turn.value * unit - osc.c, turn.error * unit) for turn in need.turns * known]
 
     folds, unresolved, left, ranges = list[Change](), list[tuple[float, float]](), _MOST_VALUES, [(low, high)]
     while ranges:
         first, last = ranges.pop()
         left -= NODES.size
-        turns = (
-            [excess(x) for x in ((first + last + (last - first) * NODES) / 2).tolist()] if left >= 0 else [None]
-        )
-        branches = _branches(first, last, turns)
-        if branches is not None:
+        rows = [excess(x) for x in ((first + last + (last - first) * NODES) / 2).tolist()] if left >= 0 else [[]]
+        if (branches := _branches(first, last, rows)) is not None:
             folds += [fold for piece in branches for fold in _crossings(piece)]
-        elif all(turns) and _passed_by(turns):
-            pass
-        elif any(turns) and last - first > _NARROWEST * (high - low):
-            middle = (first + last) / 2
-            ranges += [(middle, last), (first, middle)]
-        else:
-            unresolved.append((first, last))
+        elif not all(rows) or not _passed_by(rows):
+            if any(rows) and last - first > _NARROWEST * (high - low):
+                middle = (first + last) / 2
+                ranges += [(middle, last), (first, middle)]
+            else:
+                unresolved.append((first, last))
     return folds, joined(unresolved)
 
 
-def _branches(low: float, high: float, rows: list[list[Turn] | None]) -> list[Piece] | None:
+def _branches(low: float, high: float, rows: list[list[Turn]]) -> list[Piece] | None:
     """Return extrema between two values as polynomials; None where they come or go, or are not followed."""
-    if (
-        not all(rows)
-        or len({(len(turns), turns[0].value < turns[1 % len(turns)].value) for turns in rows if turns}) > 1
-    ):
+    kinds = {(len(turns), turns[0].value < turns[1 % len(turns)].value) for turns in rows if turns}
+    if not all(rows) or len(kinds) > 1:
         return None
-    columns = list(zip(*(turns[1:-1] for turns in rows if turns), strict=True))
-    pieces = [
-        fitted(
-            low, high, np.array([turn.value for turn in column]), np.array([turn.error for turn in column]), _RTOL
-        )
-        for column in columns
-    ]
-    return None if None in pieces else [piece for piece in pieces if piece is not None]
+    pieces = list[Piece]()
+    for branch in zip(*(turns[1:-1] for turns in rows), strict=True):
+        values, errors = (np.array(column) for column in list(zip(*branch, strict=True))[1:])
+        piece = fitted(low, high, values, errors, _RTOL)
+        if piece is None:
+            return None
+        pieces.append(piece)
+    return pieces
 
 
 def _passed_by(rows: list[list[Turn]]) -> bool:
-    """Whether all extrema stay on one side of the damping there is, farther off than they move."""
-    values = [turn.value for turns in rows for turn in turns[1:-1]]
-    nearest, farthest = min(map(abs, values), default=math.inf), max(map(abs, values), default=0.0)
-    return farthest - nearest < nearest and (min(values) > 0 or max(values) < 0)
+    """Whether all extrema are farther from the damping there is than they move, those that come or go too."""
+    moved, values = 0.0, [np.clip([turn.value for turn in turns], -_FARTHEST, _FARTHEST) for turns in rows]
+    for one, following in pairwise(values):
+        apart = np.abs(one[:, None] - following)
+        moved += max(apart.min(axis=0).max(), apart.min(axis=1).max())
+    return bool(moved < min((np.abs(row[1:-1]).min() for row in values if row.size > 2), default=math.inf))
 
 
 def _crossings(piece: Piece) -> list[Change]:

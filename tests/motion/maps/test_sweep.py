@@ -1,11 +1,16 @@
 """Basins over one quantity: the shares, and the places where basins are born and die."""
 
+from dataclasses import asdict
+from itertools import pairwise
+
 import numpy as np
 import pytest
-from operating_points import TWO, paper_oscillator
+from operating_points import TWO, WAVY, WAVY_POINT, paper_oscillator
+from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
+from stickslip_sym.motion.maps.table import placed
 
 LAW = ss.laws.exponential.bind(mu_s=1, mu_m=0.5, alpha=2)
 OSC = ss.Oscillator(m=1, k=1, c=0.1, V=1.5, N=1)
@@ -51,6 +56,33 @@ def test_a_fold_over_another_quantity():
     assert (fold.kind, graze.kind) == ("fold", "graze")
     beside = [paper_oscillator(3.8, N=fold.value * (1 + side * 1e-7)) for side in (-1, 1)]
     assert [len(ss.limit_cycles(TWO, osc)) for osc in beside] == [0, 2]
+
+
+@sweep(
+    ("name", "values", "folds"),
+    [("c", (0.05, 0.1), 6), ("N", (0.5, 0.8), 6), ("V", (0.43, 0.46), 3), ("h", (0.002, 0.011), 1)],
+    0,
+    1,
+)
+def test_numbers_of_cycles_change_where_basins_do(name, values, folds):
+    """By two at a fold and by one at a graze or where rest turns: so none is missed, and none is too many."""
+    found = ss.basin_sweep(WAVY, WAVY_POINT, (name, values), x0=(-0.1, 0.2), v0=(-0.3, 0.4))
+    assert found.unresolved == ()
+    kinds = [change.kind for change in found.changes]
+    assert kinds.count("fold") == folds
+    ends = [values[0], *(change.value for change in found.changes), values[1]]
+    numbers = [
+        len(ss.limit_cycles(*placed(WAVY, asdict(WAVY_POINT) | {name: (low + high) / 2})))
+        for low, high in pairwise(ends)
+    ]
+    assert [abs(step) for step in np.diff(numbers)] == [2 if kind == "fold" else 1 for kind in kinds]
+
+
+def test_folds_that_are_not_resolved_are_named(monkeypatch):
+    monkeypatch.setattr("stickslip_sym.motion.maps.sweep._MOST_VALUES", 1)
+    found = ss.basin_sweep(TWO, paper_oscillator(3.8), ("N", [7, 12]), x0=(-0.2, 0.2), v0=(-1, 1))
+    assert found.unresolved == ((7.0, 12.0),)
+    assert "folds not resolved from 7 to 12" in str(found)
 
 
 @pytest.mark.parametrize(("slope", "beyond"), [(0.3, 0.29), (0.2, 0.38)])

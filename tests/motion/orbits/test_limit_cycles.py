@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from operating_points import TWO, paper_oscillator
+from operating_points import TWO, WAVY, WAVY_POINT, paper_oscillator
 from sweeps import sweep
 
 import stickslip_sym as ss
@@ -63,10 +63,6 @@ def test_floquet_exponent_is_slope_of_needed_damping():
     assert cycle.floquet == pytest.approx(cycle.amplitude * slope / 2, rel=0.02)
 
 
-WAVY = ss.FrictionLaw("a+b*exp(-v/s)+h*cos(w*v)*exp(-(v/q)**2)").bind(
-    a=0.323, b=0.1724, s=0.7627, h=0.01072, w=55.28, q=1.1416
-)
-WAVY_POINT = ss.Oscillator(m=4.396, k=7.314, c=0.0855, V=0.4468, N=0.626786)
 GRID = np.linspace(0.005, 0.999, 100)
 
 
