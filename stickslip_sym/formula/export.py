@@ -259,7 +259,21 @@ def _zeros(form: ClosedForm, names: Mapping[str, str]) -> str:
         return f"It vanishes at the transition speed {_stated(V, found.formula, names, '=')}"
     if found.values is None:
         return "No formula was found for its zeros, the transition speeds of the undamped oscillator."
-    if not found.values:
-        return "For the typical values no zero of it, that is, no transition speed without damping, was found."
-    values = " and ".join(f"${V} = {value:.6g}$\\,m/s" for value in found.values)
-    return f"For the typical values it vanishes at {values}; no formula for this is known here."
+    said = "For the typical values it vanishes "
+    said += " and ".join(f"at ${V} = {value:.6g}$\\,m/s" for value in found.values)
+    said += ", and nowhere else" if found.values else "nowhere"
+    if found.between is not None:
+        said += f" for {_between(found.between, V)}"
+    if found.undecided:
+        ranges = " and ".join(_between(ends, V) for ends in found.undecided)
+        return f"{said}; undecided is whether it does for {ranges}."
+    if found.values:
+        return f"{said}; no formula for this is known here."
+    return f"{said}: there is no transition speed without damping."
+
+
+def _between(speeds: tuple[float, float], V: str) -> str:
+    low, high = (re.sub(r"e([+-]?)0*(\d+)$", r" \\cdot 10^{\1\2}", f"{speed:.3g}") for speed in speeds)
+    if low == high:
+        return f"speeds near ${V} = {sum(speeds) / 2:.6g}$\\,m/s"
+    return f"${low.replace('{+', '{')} < {V}/(\\mathrm{{m/s}}) < {high.replace('{+', '{')}$"

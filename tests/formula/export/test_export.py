@@ -1,5 +1,6 @@
 """Exported files: LaTeX through a real engine, and Python, C and Octave run against many digits."""
 
+import random
 import re
 import shutil
 import subprocess
@@ -133,6 +134,44 @@ def test_zeros():
         assert abs(form_of("gaussian_viscous", "least_squares")(V=V, N=1.0, **law.typical().values)) < 1e-14
     assert zeros(form_of("exponential", "equilibrium")).values == ()  # underflow is no zero
     assert zeros(form_of("coulomb", "harmonic")).everywhere
+
+
+def test_zeros_are_isolated():
+    """Two as close as 1e-3, of a polynomial and of exponentials; what touches 0 is a zero, or is open."""
+    rng = random.Random(2)
+    for gap in (1, 1e-1, 1e-2, 3e-3, 0):
+        first, rate = rng.uniform(0.3, 2), rng.uniform(1, 4)
+        roots = [float(f"{first * (1 + x):.6g}") for x in sorted({0, gap})]
+        low, high = roots[0], roots[-1]
+        polynomial = ss.derive(f"1 + v^3/3 - ({low} + {high})*v^2/2 + {low}*{high}*v", "equilibrium")
+        assert zeros(polynomial).values == pytest.approx(roots, rel=1e-12)
+        assert zeros(polynomial).between is None
+        p, q = (f"{np.exp(-rate * root):.12g}" for root in (low, high))
+        text = f"1 - exp(-2*a*v)/(2*a) + ({p} + {q})*exp(-a*v)/a + {p}*{q}*v"
+        form = ss.derive(ss.FrictionLaw(text.replace("a", f"{rate:.6g}")), "equilibrium")
+        found = zeros(form)
+        if gap:
+            assert found.values == pytest.approx([low, high], rel=1e-5)
+            assert not found.undecided
+        else:
+            assert any(start < low < end for start, end in found.undecided)
+            assert "undecided is whether" in ss.export_latex(form)
+
+
+@pytest.mark.parametrize("formula", ["Max(0.5 - 0.5*v, 0.2) + 0.1*v",
+                                     "0.3 + 0.2*exp(-v/0.1) - 0.1*exp(-v/0.5) + 0.01*v"])  # fmt: skip
+@pytest.mark.parametrize("criterion", ["equilibrium", "least_squares"])
+def test_zeros_are_all_in_the_range_they_name(formula, criterion):
+    try:
+        form = ss.derive(ss.FrictionLaw(formula), criterion)
+    except ss.NoClosedForm:
+        pytest.skip("no closed form, no document")
+    found, speeds = zeros(form), 10.0 ** np.linspace(-4, 2, 40_001)
+    speeds = speeds[(speeds > found.between[0]) & (speeds < found.between[1])]
+    c = form(V=speeds, N=1.0)
+    seen = [V for V, change in zip(speeds, c[:-1] * c[1:] < 0, strict=False) if change]
+    seen = [V for V in seen if not any(0.999 * low <= V <= high for low, high in found.undecided)]
+    assert found.values == pytest.approx(seen, rel=1e-3)
 
 
 # -- code --------------------------------------------------------------------------------------------
