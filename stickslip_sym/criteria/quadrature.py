@@ -156,8 +156,6 @@ def _following_cancellation(compute: Callable[[Mpf], tuple[Mpf, Mpf]], digits: i
     while True:
         with mpmath.workdps(digits + _GUARD + lost):
             total, size = compute(mpmath.mpf(10) ** -(digits + lost + _GUARD // 2))
-            if size == 0:
-                return total
             bits = mpmath.mag(size) - mpmath.mag(total) if total else mpmath.inf
             needed = max(0, bits * math.log10(2) + 1)
         if needed <= lost + 1:
@@ -213,7 +211,8 @@ def _confirmed_slope(mu: Function, speed: Expr, digits: int) -> Mpf:
 
     def slope(_: Mpf) -> tuple[Mpf, Mpf]:
         V = to_mpf(speed)
-        return -mpmath.diff(mu, V, relative=True), abs(mu(V) / V)
+        step = mpmath.ldexp(V, -mpmath.mp.prec - _GUARD)  # mpmath's own relative one is 1/V of what it should be
+        return -mpmath.diff(mu, V, h=step), abs(mu(V) / V)
 
     wanted = digits
     while wanted < _MOST_LOST_IN_SLOPE:

@@ -131,3 +131,12 @@ def test_powers_just_integrable_at_rest(n):
         n = mpmath.mpf(n)
         bracket = (n**2 - 3 * n + 8) / ((n - 4) * (n - 3) * (n - 2) * (n - 1))
         assert mpmath.almosteq(value, 5 * n * bracket / (6**n * 3), rel_eps=mpmath.mpf(10) ** -24)
+
+
+@pytest.mark.parametrize("formula", ["log(1 + v)", "sqrt(v)", "log((1e-30 + v)/(1 + v))", "v^0.3 - v^0.2"])
+def test_the_slope_at_one_speed_at_every_scale(formula):
+    """Steps in proportion to the speed; what is below all digits at first is no slope of 0."""
+    for exponent in (-200, -40, -32, -9, 0, 9, 30):
+        at = {"V": f"1e{exponent}", "N": 1}
+        slope = ss.quadrature.damping(formula, "equilibrium", **at, digits=20)
+        assert slope == pytest.approx(mpmath.mpf(float(ss.enclose(formula, "equilibrium", **at))), rel=1e-15)
