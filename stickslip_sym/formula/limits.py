@@ -110,7 +110,7 @@ def _far(slope: Expr, criterion: Criterion) -> Expr | None:
     terms = sp.Add.make_args(sp.expand(last))
     polynomial = sp.Add(*[term for term in terms if term.is_polynomial(V)])
     growths = [_growth(term) for term in terms if not term.is_polynomial(V)]
-    if not all(growth is not None and growth < 0 for growth in growths):
+    if not all(growth is not None and growth.is_negative for growth in growths):
         return _limit_at_rest(last.xreplace({V: 1 / V}), criterion)
     monomials = {power: c for (power,), c in sp.Poly(polynomial, V).terms() if sp.factor(c) != 0}
     top = max(monomials, default=0)

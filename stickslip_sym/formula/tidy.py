@@ -74,6 +74,8 @@ def factored(expr: Expr) -> Expr:
     number, powers = sp.S.One, defaultdict[Expr, Expr](lambda: sp.S.Zero)
     for part in sp.Mul.make_args(sp.together(expr)):
         base, exponent = part.as_base_exp()
+        if base.is_Add and (constant := sp.expand(base)).is_number:  # as (V - 1) (V + 1) - V^2
+            part, base = constant**exponent, constant
         polynomial = sp.Poly(base) if base.is_Add and exponent.is_Integer else None
         if polynomial is None or not (polynomial.domain.is_ZZ or polynomial.domain.is_QQ):
             coefficient, rest = sp.factor(part).as_coeff_Mul(rational=True)

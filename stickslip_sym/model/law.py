@@ -22,7 +22,7 @@ from stickslip_sym.core.numbers import SAME, Number, exact, read_array, real, re
 from stickslip_sym.core.uncertain import UFloat, separated, spread, with_error
 from stickslip_sym.model import at_rest
 from stickslip_sym.model.expression.parameters import Parameter
-from stickslip_sym.model.expression.pieces import kinks_at
+from stickslip_sym.model.expression.pieces import kinks_at, rate
 from stickslip_sym.model.expression.reading import as_text, read_formula
 from stickslip_sym.model.expression.units import check_units
 from stickslip_sym.model.measured.measurements import Measurements, read_measurements
@@ -275,7 +275,7 @@ class FrictionLaw:
         if name == "V":
             law.expr = symbols.v * self.slope_expr - self.expr
         else:
-            law.expr = sp.diff(self.expr, self._parameters[name].symbol)
+            law.expr = rate(self.expr, self._parameters[name].symbol)
         law.curve = law.static = law._formula = law._static_formula = None
         return law
 
@@ -453,7 +453,13 @@ class FrictionLaw:
 
     def _content(self) -> tuple[object, ...]:
         about = self.name, self.source, self.validity, self.curve, spread(self.uncertain)
-        return self.expr, self.static, *about, *self._parameters.values(), frozenset(self._values.items())
+        return (
+            self.expr,
+            self.static,
+            *about,
+            frozenset(self._parameters.values()),
+            frozenset(self._values.items()),
+        )
 
     def __eq__(self, other: object) -> bool:
         """Whether two laws are the same in formula, values and description."""

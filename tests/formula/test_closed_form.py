@@ -233,3 +233,19 @@ def test_the_gate_alone_refutes():
     verdict = gate.verify(term.profile, form.criterion, average.closed * (1 + sp.Rational(1, 10**20)))
     assert verdict.status is ss.Status.REFUTED
     assert verdict.point
+
+
+@pytest.mark.parametrize(
+    "formula", ["v/(1 + v^2) + atan(v)", "v/(4 + v^2) - atan(v/2)/2", "v^2/(1 + v^2) + atan(v)"]
+)
+def test_terms_whose_variables_cancel_in_a_sum(formula):
+    form = ss.derive(formula, "equilibrium")
+    assert form.verdict.status is ss.Status.PROVED
+    assert form(V=0.7, N=2.0) == pytest.approx(-2 * ss.FrictionLaw(formula).slope(0.7), rel=1e-13)
+
+
+@pytest.mark.parametrize("formula", ["mu_s - q*v**p", "mu_k + q*(1 + v/w)**p", "mu_s - q*v**p + a*v"])
+def test_limits_that_hang_on_a_power_are_open(formula):
+    form = ss.derive(formula)
+    assert form.limits.far is None or not form.limits.far.has(sp.Limit)
+    assert "Its limit for $V \\to \\infty$ was not found." in ss.export_latex(form)

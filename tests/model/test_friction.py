@@ -258,3 +258,10 @@ def test_functions_take_a_law_by_its_text(name):
     assert CALLS[name](text) == CALLS[name](ss.FrictionLaw(text))
     with pytest.raises(ss.InputError, match="a friction law is needed"):
         CALLS[name](OSC)
+
+
+def test_the_order_in_a_formula_makes_no_other_law():
+    one, other = ss.FrictionLaw("a*v + b").bind(a=1), ss.FrictionLaw("b + a*v").bind(a=1)
+    assert one == other
+    assert hash(one) == hash(other)
+    assert one != other.bind(b=2)

@@ -136,6 +136,13 @@ def jumps(expr: Expr, point: Mapping[Expr, Expr]) -> list[tuple[Expr, Expr]]:
     return heights
 
 
+def rate(expr: Expr, parameter: Expr) -> Expr:
+    """Differentiate with respect to a parameter; steps, as of Max and Min of parameters, become pieces."""
+    return sp.diff(expr, parameter).replace(
+        sp.Heaviside, lambda x, *_: sp.Piecewise((sp.S.Zero, x < 0), (sp.S.One, True))
+    )
+
+
 def branch_from(expr: Expr, values: Mapping[Expr, Expr], start: Expr) -> Expr:
     """Return an expression with each kink replaced by the piece that holds just above a slip speed.
 

@@ -9,14 +9,13 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.rule import slope_average
-from stickslip_sym.model.expression.pieces import jumps
+from stickslip_sym.model.expression.pieces import jumps, rate
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.table import FrictionTable
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
@@ -102,7 +101,7 @@ def _of_jumps(law: FrictionLaw, criterion: Criterion, V: FloatArray, name: str) 
     if criterion.weight is None:
         return found
     for jump, height in jumps(law.expr, law.point):
-        moved = -jump if name == "V" else sp.diff(jump, law.parameters[name].symbol)
+        moved = -jump if name == "V" else rate(jump, law.parameters[name].symbol)
         at, by, size = (law.number(part) for part in (jump, moved, height))
         kernel = criterion.kernel.subs(symbols.v, at)
         for row, speed in enumerate(V):

@@ -26,6 +26,7 @@ from stickslip_sym.core.balls import BallFunction, ball, ball_function, series_f
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.precision import working_precision
+from stickslip_sym.model.at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.expression.pieces import branch_from
 from stickslip_sym.model.law import FrictionLaw
 
@@ -58,8 +59,14 @@ class ExactPoint:
 
     @property
     def at_rest(self) -> Expr:
-        """The coefficient mu(0+), by the first segment at v = 0."""
-        return branch_from(self.law.expr, self.law.point, sp.Integer(0)).xreplace({symbols.v: sp.Integer(0)})
+        """The coefficient mu(0+), by the first segment at v = 0, or its limit there; refused where it has none."""
+        first = branch_from(self.law.expr, self.law.point, sp.Integer(0))
+        infinite = sp.nan, sp.zoo, sp.oo, -sp.oo
+        onset = first.xreplace({symbols.v: sp.Integer(0)})
+        onset = symbolic_limit_at_rest(first) if onset.has(*infinite) else onset
+        if onset.has(*infinite):
+            raise InputError(f"no finite limit mu(0+) was found for {self.law!r}, as a proof needs it")
+        return onset
 
     def segments(self, c: Rational) -> list["Segment"]:
         """Return the smooth segments of the field, ascending, at the working precision."""

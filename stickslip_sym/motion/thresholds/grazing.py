@@ -9,11 +9,9 @@ which mu drops the gap steps past 0, and what is 0 is the distance between the t
 import math
 from dataclasses import replace
 
-import sympy as sp
-
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NotConverged
-from stickslip_sym.model.expression.pieces import places
+from stickslip_sym.model.expression.pieces import places, rate
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import FrictionTable, Pieces
@@ -75,8 +73,8 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     }
     for name, parameter in law.parameters.items():
         symbol, partial = parameter.symbol, FrictionTable.of(law.partial(name), _BEYOND * highest * V)
-        onset = law.number(sp.diff(law.static_expr, symbol)) - partial.onset
-        moves = [(law.number(place), law.number(sp.diff(place, symbol)) / V) for place in places(law.expr)]
+        onset = law.number(rate(law.static_expr, symbol)) - partial.onset
+        moves = [(law.number(place), law.number(rate(place, symbol)) / V) for place in places(law.expr)]
         shifts = [next((by for v, by in moves if math.isclose(v, level, rel_tol=_SAME)), 0.0) for level in levels]
         found[name] = Wedge(eta * onset, 0.0, -eta, partial.at(V).pieces, shifts)
     by = {name: -derivative(source) / slope * unit for name, source in found.items()}

@@ -234,6 +234,14 @@ def test_the_highest_slip_speed_is_bounded(name):
     assert highest.rad() < 1e-3
 
 
+@pytest.mark.parametrize("formula", ["0.4472 + 0.1397*v*log(v)", "0.5 - 0.2*exp(-g/v)"])
+def test_a_coefficient_with_a_limit_at_rest_only_is_refused_in_words(formula):
+    law = ss.FrictionLaw(formula)
+    law = law.bind(g="0.1") if law.parameters else law
+    with pytest.raises(ss.StickSlipError, match="mu changes too fast at v = 0"):
+        ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100, method="proof")
+
+
 CONTINUOUS = ("0.6 - 0.1*Min(v, {0})", "Max(0.2, 1 - v/{0})", "0.3 + Abs(v - {0})", "Max(exp(-v/{0}), 0.3)")
 
 

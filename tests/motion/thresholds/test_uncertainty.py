@@ -125,3 +125,21 @@ def test_a_time_limit_binds_what_is_asked_later():
             getattr(late, quantity)
     assert "(simulation, relative error" in str(late)
     assert found.uncertainty > 0
+
+
+@pytest.mark.parametrize(
+    "formula", ["0.5 - a*Min(v, Max(w, u))", "0.5 - 0.2*Max(a, b)*tanh(v/w)", "Max(0.2, 0.5 - a*Min(v, w, u))"]
+)
+def test_the_larger_and_the_smaller_of_two_parameters(formula):
+    """The derivative is that of the one that counts: against thresholds at shifted values."""
+    values = {name: x for name, x in {"a": 0.4, "b": 0.3, "w": 0.35, "u": 0.62}.items() if name in formula}
+
+    def threshold(**changed):
+        law = ss.FrictionLaw(formula).bind(**values | changed)
+        return ss.pure_slip_damping(law, **POINT, method="simulation", rtol=1e-9).value
+
+    uncertain = ss.FrictionLaw(formula).bind(**{name: ufloat(x, x / 1000) for name, x in values.items()})
+    found = ss.pure_slip_damping(uncertain, **POINT, method="simulation", rtol=1e-9)
+    for name, x in values.items():
+        slope = (threshold(**{name: x * 1.0001}) - threshold(**{name: x * 0.9999})) / (2e-4 * x)
+        assert found.sensitivity[name] == pytest.approx(slope, rel=1e-3, abs=1e-6)
