@@ -80,12 +80,17 @@ def damping(
         _real(law.function("mpmath"))  # refuses a law without values
         return mpmath.mpf(0)  # every kernel averages a slope: it integrates to zero
     with mpmath.workdps(digits + _GUARD):
-        result = to_mpf(force) * average(law.function("mpmath"), law.kinks(), criterion, speed, digits + 2)
+        rule = "tanh-sinh" if law.curve is None else "gauss-legendre"  # of polynomials between kinks
+        mu = law.function("mpmath")
+        result = to_mpf(force) * average(mu, law.kinks(), criterion, speed, digits + 2, rule)
     with mpmath.workdps(digits):
         return +result
 
 
-def average(coefficient: Function, kinks: Sequence[Expr], criterion: Criterion, speed: Expr, digits: int) -> Mpf:
+def average(
+    coefficient: Function, kinks: Sequence[Expr], criterion: Criterion, speed: Expr, digits: int,
+    rule: str = "tanh-sinh",
+) -> Mpf:  # fmt: skip
     """Return -<mu'(V(1 + s))>_w for a coefficient mu(v) that mpmath evaluates, of which all kinks are given."""
     mu = _real(coefficient)
     if criterion.weight is None:
@@ -97,7 +102,7 @@ def average(coefficient: Function, kinks: Sequence[Expr], criterion: Criterion, 
         singular = True
         _require_integrable(mu, criterion, speed)
     return _following_cancellation(
-        lambda tolerance: _integral(mu, kinks, criterion, speed, tolerance, singular), digits, _MOST_LOST
+        lambda tolerance: _integral(mu, kinks, criterion, speed, tolerance, singular, rule), digits, _MOST_LOST
     )
 
 
@@ -168,7 +173,13 @@ def _following_cancellation(compute: Callable[[Mpf], tuple[Mpf, Mpf]], digits: i
 
 
 def _integral(
-    mu: Function, kinks: Sequence[Expr], criterion: Criterion, speed: Expr, tolerance: Mpf, singular: bool
+    mu: Function,
+    kinks: Sequence[Expr],
+    criterion: Criterion,
+    speed: Expr,
+    tolerance: Mpf,
+    singular: bool,
+    rule: str,
 ) -> tuple[Mpf, Mpf]:
     """Return the integral of mu times the kernel with the boundary terms, and the sum of their sizes.
 
@@ -199,7 +210,7 @@ def _integral(
         power = max(power, min(int(1 / (1 - steepness)), _MOST_STRETCHING)) if 0 < steepness < 1 else power
         ends = [mpmath.root(end, power) for end in ends]
     panels = pairwise(ends)
-    parts = [_adaptive(stretched if singular else integrand, *panel, tolerance) for panel in panels]
+    parts = [_adaptive(stretched if singular else integrand, *panel, tolerance, rule) for panel in panels]
     rest = V * mpmath.mpf(10) ** (-4 * mpmath.mp.dps) if singular else mpmath.mpf(0)
     low, high = criterion.ends
     parts += [to_mpf(weight) * mu(v) / V for weight, v in ((low, rest), (-high, 2 * V)) if weight]
@@ -225,17 +236,17 @@ def _confirmed_slope(mu: Function, speed: Expr, digits: int) -> Mpf:
     raise NotConverged(f"the slope of mu at V = {float(speed):g} does not settle to {digits} digits")
 
 
-def _adaptive(f: Function, a: Mpf, b: Mpf, tolerance: Mpf) -> Mpf:
-    """Integrate by the tanh-sinh rule, halving the panel with the largest error until all is small enough."""
+def _adaptive(f: Function, a: Mpf, b: Mpf, tolerance: Mpf, rule: str) -> Mpf:
+    """Integrate by one of mpmath's rules, halving the panel with the largest error until all is small enough."""
     panels: list[tuple[Mpf, Mpf, Mpf, Mpf]] = []  # minus error, left, right, value: worst first
 
     def add(left: Mpf, right: Mpf) -> None:
         # mpmath's error estimate is absolute, so the integrand is brought to the order of 1 first.
         looks = [abs(f(left + (right - left) * fraction)) for fraction in _LOOKS]
         scale = max(looks) * (right - left) or mpmath.mpf(1)
-        value, error = mpmath.quad(lambda u: f(u) / scale, [left, right], error=True)
+        value, error = mpmath.quad(lambda u: f(u) / scale, [left, right], error=True, method=rule)
         # Its degrees agree where all of them step over a narrow peak; the halves have other nodes.
-        halves = mpmath.quad(lambda u: f(u) / scale, [left, (left + right) / 2, right])
+        halves = mpmath.quad(lambda u: f(u) / scale, [left, (left + right) / 2, right], method=rule)
         heapq.heappush(panels, (-max(error, abs(halves - value)) * scale, left, right, halves * scale))
 
     add(a, b)
