@@ -15,6 +15,7 @@ from stickslip_sym.cli.options import Given, read_number
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.uncertain import split
+from stickslip_sym.core.units import in_si
 from stickslip_sym.model.operating_point import PAPER
 
 
@@ -73,7 +74,7 @@ def points(
         content = {} if file is None else _toml(file)
         stated = {name: content.get(name) if given[name] is None else given[name] for name in wanted}
         defaults = {name: text for name, text in wanted.items() if stated[name] is None and text is not None}
-        texts = {name: str(text) for name, text in (stated | defaults).items() if text is not None}
+        texts = {name: in_si(str(text), name) for name, text in (stated | defaults).items() if text is not None}
         friction, typical = law, tuple[str, ...]()
         if friction is None:
             values = {name: str(value) for name, value in content.get("parameters", {}).items()}

@@ -1,6 +1,6 @@
 """Numbers as users give them, read exactly.
 
-A float is the binary number that it is; text such as "0.3" is the decimal that it says.
+A float is the binary number that it is; text such as "0.3" is the decimal that it says, and "300 mm/s" too.
 Fifty digits of a result mean something only if the input is known to fifty digits too. What is computed in
 double precision is read by `real` and `read_array`.
 """
@@ -24,6 +24,7 @@ from mpmath.libmp import to_rational
 
 from stickslip_sym.core.aliases import Expr, FloatArray, Mpf
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.units import in_si
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -62,6 +63,7 @@ def fraction(value: Number, name: str) -> Fraction:
 
 
 def _from_text(text: str, name: str) -> Fraction:
+    text = in_si(text, name)
     parts = text.strip().split("/")
     if len(text) <= _LONGEST and len(parts) <= 2 and all(map(_DECIMAL.fullmatch, parts)):
         with suppress(ZeroDivisionError):
@@ -72,7 +74,7 @@ def _from_text(text: str, name: str) -> Fraction:
 def real(name: str, value: Number) -> float:
     """Return a number as a float, or refuse what is none and what is not finite."""
     try:
-        number = float(value)
+        number = float(in_si(value, name))
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name} = {str(value)[:60]!r} is not a number; give a float such as 0.5") from None
     if not math.isfinite(number):

@@ -14,6 +14,7 @@ from uncertainties import correlation_matrix, ufloat, ufloat_fromstr
 from uncertainties.core import NegativeStdDev
 
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.units import in_si
 
 _WITH_ERROR = re.compile(r"\+/-|±|\(")
 _CORRELATION_DIGITS = 9  # of correlations that count as equal: files keep them to rounding
@@ -26,6 +27,7 @@ def split(value: Any, name: str) -> tuple[Any, UFloat | None]:
     Text with "+/-", "±" or brackets is read; its number is the decimal that it says. `name` is for the message.
     """
     number: Any
+    value = in_si(value, name)
     if isinstance(value, UFloat):
         read, number = value, value.nominal_value
     elif isinstance(value, str) and _WITH_ERROR.search(value):

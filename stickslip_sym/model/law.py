@@ -20,6 +20,7 @@ from stickslip_sym.core.functions import without_squares
 from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.core.numbers import SAME, Number, exact, read_array, real, require_type, suggestion
 from stickslip_sym.core.uncertain import UFloat, separated, spread, with_error
+from stickslip_sym.core.units import in_si
 from stickslip_sym.model import at_rest
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.pieces import kinks_at, rate
@@ -284,8 +285,8 @@ class FrictionLaw:
     def bind(self, **values: Number | UFloat) -> Self:
         """Return the law with values for some or all of its parameters.
 
-        A value may carry a standard error: text such as "0.50+/-0.02" or "0.50(2)", or a number of the library
-        `uncertainties`, whose correlations are kept.
+        Text may have a unit, as "30 mm/s". A value may carry a standard error: text such as "0.50+/-0.02" or
+        "0.50(2)", or a number of the library `uncertainties`, whose correlations are kept.
 
         Raises
         ------
@@ -299,7 +300,8 @@ class FrictionLaw:
         >>> float(law.values["mu_s"]), law.uncertain["mu_s"].std_dev
         (0.5, 0.02)
         """
-        numbers, errors = separated(values)
+        units = {key: (self.parameters[key].unit if key in self.parameters else None) or "" for key in values}
+        numbers, errors = separated({key: in_si(value, key, units[key]) for key, value in values.items()})
         read = {name: exact(value, name) for name, value in numbers.items()}
         for key, value in read.items():
             if key not in self.parameters:

@@ -1,7 +1,7 @@
 """The columns of a table of measurements: their words and units, and which holds which quantity.
 
-One more word or unit is an entry in `_WORDS` or `_SIZES`. A word may mean more than one quantity; the unit
-decides, and where it does not the header is refused.
+One more word or unit is an entry in `_WORDS`, or in `SIZES` of `core.units`. A word may mean more than one
+quantity; the unit decides, and where it does not the header is refused.
 """
 
 import math
@@ -12,6 +12,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.units import SIZES
 
 EXPECTED = "v [m/s],mu or v [mm/s];F_t [N];F_n [N];sigma_mu"
 _ADVICE = f"choose columns, like columns={{'mu': 'COF', 'v': '2 [mm/s]'}}, or write a header like {EXPECTED}"
@@ -36,25 +37,16 @@ class Unit(NamedTuple):
 
 _TURN = Fraction(2 * math.pi)
 _NUMBERS = ("1", "-", "–", "—", "--", "dimensionless", "none", "N/N")
-_SIZES = {
-    "length": "nm 1e-9, um 1e-6, μm 1e-6, micron 1e-6, mm 1e-3, cm 1e-2, dm 1e-1, m 1, km 1e3, in 0.0254, "
-              "inch 0.0254, ft 0.3048, mi 1609.344",
-    "time": "ms 1e-3, s 1, sec 1, second 1, min 60, minute 60, h 3600, hr 3600, hour 3600",
-    "speed": "mps 1, kph 5/18, kmh 5/18, mph 0.44704, ips 0.0254, fps 0.3048, fpm 0.00508, knot 463/900",
-    "force": "nN 1e-9, uN 1e-6, μN 1e-6, mN 1e-3, cN 1e-2, N 1, newton 1, daN 10, kN 1e3, MN 1e6, kgf 9.80665, "
-             "kp 9.80665, gf 0.00980665, kg 9.80665, lbf 4.4482216152605, ozf 0.27801385095378125, dyn 1e-5",
-}  # fmt: skip
-"""Sizes in SI units. Capitals count, as they tell mN from MN; a load in kg is that of a weight."""
 _UNITS = {
     name: Unit(kind, Fraction(size))
-    for kind, text in _SIZES.items()
+    for kind, text in SIZES.items()
     for name, size in map(str.split, text.split(", "))
 } | {name: Unit("number", Fraction(1)) for name in _NUMBERS}
 _UNITS |= {
     "rpm": Unit("rotation", _TURN / 60),
     "RPM": Unit("rotation", _TURN / 60),
     "rps": Unit("rotation", _TURN),
-    "%": Unit("number", Fraction(1, 100)),
+    "kg": Unit("force", Fraction("9.80665")),  # of a load that weighs as much
 }
 _ANGLES = {"rad": Fraction(1), "deg": _TURN / 360, "°": _TURN / 360}
 _ANGLES |= dict.fromkeys(("rev", "r", "U", "1", "turn", ""), _TURN)
@@ -67,7 +59,7 @@ def read_unit(text: str) -> Unit | None:
     text = re.sub(r"^([^\W_]+)(?:_per_|_| per )([^\W_]+)$", r"\1/\2", text)  # mm_s
     known = _UNITS.get(text)
     if known is not None:
-        return None if known.kind in ("length", "time") else known
+        return None if known.kind in ("length", "time", "mass") else known
     above, _, below = map(str.strip, (text if "/" in text else _INVERSE.sub(r"/\1", text)).partition("/"))
     length, time = _UNITS.get(above), _UNITS.get(below)
     if time is None or time.kind != "time":

@@ -1,0 +1,90 @@
+"""The table of units, and numbers that users write with one: "400 mm/s" or "400(5) mm/s" for 0.4 m/s.
+
+One more unit is an entry in `SIZES`; files of measurements, the command line and parameters read it.
+"""
+
+import re
+from decimal import Context, Decimal
+from fractions import Fraction
+from typing import Any
+
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.symbols import QUANTITIES
+
+SIZES = {
+    "length": "nm 1e-9, um 1e-6, μm 1e-6, micron 1e-6, mm 1e-3, cm 1e-2, dm 1e-1, m 1, km 1e3, in 0.0254, "
+              "inch 0.0254, ft 0.3048, mi 1609.344",
+    "time": "ms 1e-3, s 1, sec 1, second 1, min 60, minute 60, h 3600, hr 3600, hour 3600",
+    "mass": "mg 1e-6, g 1e-3, kg 1, t 1e3, lb 0.45359237",
+    "speed": "mps 1, kph 5/18, kmh 5/18, mph 0.44704, ips 0.0254, fps 0.3048, fpm 0.00508, knot 463/900",
+    "force": "nN 1e-9, uN 1e-6, μN 1e-6, mN 1e-3, cN 1e-2, N 1, newton 1, daN 10, kN 1e3, MN 1e6, kgf 9.80665, "
+             "kp 9.80665, gf 0.00980665, lbf 4.4482216152605, ozf 0.27801385095378125, dyn 1e-5",
+    "number": "1 1, % 1/100",
+}  # fmt: skip
+"""Sizes in SI units. Capitals count, as they tell mN from MN."""
+_POWERS = {"length": (1, 0, 0), "time": (0, 1, 0), "mass": (0, 0, 1), "speed": (1, -1, 0), "force": (1, -2, 1),
+           "number": (0, 0, 0)}  # fmt: skip
+"""Powers of m, s and kg."""
+_UNITS = {
+    name: (Fraction(size), _POWERS[kind])
+    for kind, text in SIZES.items()
+    for name, size in map(str.split, text.split(", "))
+}
+_ARGUMENTS = {"radius": "m", "speeds": "m/s", "x0": "m", "v0": "m/s", "t_end": "s"}
+_SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻−\N{MICRO SIGN}", "0123456789--μ")
+_WITH_UNIT = re.compile(
+    r"\s*(?P<number>[-+(\d.].*?)\s*(?P<unit>(?:1/)?(?![eE][-+]?\d)[A-Za-zμ%][A-Za-zμ%\d\s*·/^.-]*?)\s*"
+)
+_FACTOR = re.compile(r"(?P<name>1|[A-Za-zμ%]+)\^?(?P<power>-?\d)?")
+_SIZE = r"[\d./]+(?:[eE][-+]?\d+)?"
+_NUMBER = re.compile(rf"\(?([-+]?{_SIZE})\s*(?:(?:\+/-|±)\s*({_SIZE})|\((\d+)\))?\)?")
+_DIGITS = 40  # of a number that no decimal is
+
+
+def dimensions(text: str) -> tuple[Fraction, tuple[int, ...]] | None:
+    """Return the size of a unit in SI units, and its powers of m, s and kg; None for one that is not known."""
+    size, powers = Fraction(1), tuple[int, ...]((0, 0, 0))
+    for i, product in enumerate(text.translate(_SUPERSCRIPTS).replace("**", "^").split("/")):
+        for factor in re.split(r"[\s*·]+", product.strip()):
+            match = _FACTOR.fullmatch(factor)
+            if match is None or match["name"] not in _UNITS:
+                return None
+            power = int(match["power"] or 1) * (-1 if i else 1)
+            of, its = _UNITS[match["name"]]
+            size, powers = size * of**power, tuple(a + power * b for a, b in zip(powers, its, strict=True))
+    return size, powers
+
+
+def in_si(value: Any, name: str, unit: str | None = None) -> Any:
+    """Return text with a unit as a number in SI units, still text and exact; anything else as it is.
+
+    - `unit`: the one that is expected, empty if any; by default that of the quantity of this name.
+    """
+    if not isinstance(value, str):
+        return value
+    match = _WITH_UNIT.fullmatch(value.translate(_SUPERSCRIPTS))
+    expected = QUANTITIES[name].unit if name in QUANTITIES else _ARGUMENTS.get(name) if unit is None else unit
+    if match is None or expected is None:
+        return value
+    number, unit_of_text = _NUMBER.fullmatch(match["number"]), dimensions(match["unit"])
+    if number is None or unit_of_text is None:
+        return value
+    size, powers = unit_of_text
+    required = dimensions(expected) if expected else None
+    if required is not None and required[1] != powers:
+        raise InputError(
+            f"{name} = {value.strip()[:60]!r} has the unit {match['unit']}, and {name} is "
+            f"{'a pure number' if expected == '1' else f'in {expected}'}; write it so, or in a unit like that"
+        )
+    shown, error, last = number.groups()
+    if error is None and last is None:
+        return _text(Fraction(shown) * size)
+    if last is not None:  # in units of the last digit
+        error = str(Decimal(last).scaleb(int(Decimal(shown).as_tuple().exponent)))
+    return f"{_text(Fraction(shown) * size, decimal=True)}+/-{_text(Fraction(error) * size, decimal=True)}"
+
+
+def _text(number: Fraction, *, decimal: bool = False) -> str:
+    """Return a number as the decimal that it is, or a quotient, or else a decimal of many digits."""
+    quotient = Context(prec=_DIGITS).divide(Decimal(number.numerator), Decimal(number.denominator))
+    return str(quotient) if decimal or Fraction(quotient) == number else f"{number.numerator}/{number.denominator}"

@@ -1,0 +1,74 @@
+"""Numbers with units, against the same numbers in SI units, wherever a number is read."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import stickslip_sym as ss
+from stickslip_sym.core.numbers import fraction
+from stickslip_sym.core.uncertain import split
+
+UNITS = {
+    "V": {"mm/s": "0.001", "m/s": "1", "km/h": "5/18", "mm s^-1": "0.001", "m·s⁻¹": "1", "um/s": "1e-6"},
+    "N": {"kN": "1000", "N": "1", "mN": "0.001", "kg m/s^2": "1"},
+    "m": {"g": "0.001", "kg": "1", "t": "1000"},
+    "k": {"N/mm": "1000", "kN/m": "1000", "N/m": "1", "kg/s^2": "1", "N mm⁻¹": "1000"},
+    "c": {"kg/s": "1", "N s/m": "1", "N*s/mm": "1000", "g/s": "0.001"},
+}
+CASES = [(name, unit, size) for name, units in UNITS.items() for unit, size in units.items()]
+
+
+@given(st.sampled_from(CASES), st.integers(1, 10**6), st.integers(0, 4), st.sampled_from(["", " "]))
+def test_a_number_with_a_unit_is_the_number_in_si_units(case, digits, places, blank):
+    """Exactly, and its standard error too, in either way of writing it."""
+    name, unit, size = case
+    value, error = Fraction(digits, 10**places), Fraction(7, 10**places)
+    text = f"{digits / 10**places:.{places}f}"
+    assert fraction(f"{text}{blank}{unit}", name) == value * Fraction(size)
+    for written in (f"{text}(7)", f"{text}+/-{float(error):.{places}f}", f"({text} ± {float(error):.{places}f})"):
+        read = split(f"{written}{blank}{unit}", name)[1]
+        assert read.nominal_value == pytest.approx(float(value * Fraction(size)), rel=1e-15)
+        assert read.std_dev == pytest.approx(float(error * Fraction(size)), rel=1e-14)
+
+
+@pytest.mark.parametrize("name", UNITS)
+def test_a_unit_of_the_wrong_kind_is_refused_with_the_right_one(name):
+    right = {"V": "m/s", "N": "N", "m": "kg", "k": "N/m", "c": "kg/s"}[name]
+    for kind, units in UNITS.items():
+        for unit in units if kind != name else ():
+            with pytest.raises(ss.InputError, match=f"has the unit .*, and {name} is in {right}; write"):
+                fraction(f"2 {unit}", name)
+    for text in ("2 furlong/s", "2 kg s", "x mm/s", "2e m"):
+        with pytest.raises(ss.InputError, match=r"is not a number|has the unit"):
+            fraction(text, name)
+
+
+def test_units_are_read_wherever_numbers_are(run, tmp_path):
+    point = {"V": "400 mm/s", "N": "0.02 kN", "m": "500 g", "k": "2 N/mm"}
+    in_si = {"V": 0.4, "N": 20.0, "m": 0.5, "k": 2000.0}
+    assert ss.Oscillator(**point) == ss.Oscillator(**in_si)
+    law = ss.laws.stribeck.typical(v_s="30(2) mm/s", mu_s="50 %")
+    assert (law.values["v_s"], law.values["mu_s"]) == (Fraction(3, 100), Fraction(1, 2))
+    assert law.uncertain["v_s"].std_dev == 0.002
+    for values, message in (({"v_s": "30 N"}, "v_s is in m/s"), ({"delta": "3 mm"}, "delta is a pure number")):
+        with pytest.raises(ss.InputError, match=message):
+            ss.laws.stribeck.bind(**values)
+    assert ss.FrictionLaw("a - b*v").bind(b="2 s/km").values["b"] == Fraction(2, 1000)
+    options = [word for name, text in point.items() for word in (f"-{name}", text)]
+    parameter = ["-p", "mu_s=0.5", "-p", "alpha=3000 s/km"]
+    code, out, err = run("damping", "exponential", *options, *parameter, "--method", "harmonic")
+    assert (code, err) == (0, "")
+    assert "V = 0.4 m/s, N = 20 N, m = 0.5 kg, k = 2000 N/m" in out
+    toml = "".join(f'{name} = "{text}"\n' for name, text in point.items())
+    (tmp_path / "a.toml").write_text(f'law = "exponential"\n{toml}[parameters]\nalpha = "3000 s/km"\nmu_s = 0.5\n')
+    assert run("damping", "--point", "a.toml", "--method", "harmonic")[1] == out
+    value = ss.pure_slip_damping(ss.laws.exponential.typical(), **point, method="harmonic").value
+    assert value == ss.pure_slip_damping(ss.laws.exponential.typical(), **in_si, method="harmonic").value
+    assert run("damping", "exponential", "-V", "400 N")[2].startswith(
+        "error: V = '400 N' has the unit N, and V is in"
+    )
+    array = ss.pure_slip_damping(ss.laws.exponential.typical(), V=np.array([0.4]), N="0.02 kN", method="harmonic")
+    assert array.value[0] == value
