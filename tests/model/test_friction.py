@@ -37,7 +37,7 @@ def test_bind_is_partial_and_leaves_the_law_alone():
 LAW = ss.laws.exponential
 REFUSED = [
     *((rf"alpha = {re.escape(repr(value))} is", lambda value=value: LAW.bind(alpha=value))
-      for value in (math.nan, math.inf, mpmath.inf, "nan", "0.5 s/m", "", None, True, 1j, [1])),
+      for value in (math.nan, math.inf, mpmath.inf, "nan", "0.5 furlongs", "", None, True, 1j, [1])),
     *((f"mu_s = .*{message}", lambda text=text: LAW.bind(mu_s=text)) for text, message in (
         ("0.5+/-nan", "not finite"), ("nan+/-0.1", "not finite"), ("0.5+/-inf", "not finite"),
         ("0.5+/--0.1", "negative standard error"), ("-0.5+/-0.1", "is negative"),
