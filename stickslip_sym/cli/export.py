@@ -17,7 +17,7 @@ from stickslip_sym.cli.reading import criteria_of, law_described
 from stickslip_sym.core.errors import InputError, NoClosedForm
 from stickslip_sym.formula.code.languages import LANGUAGES
 
-_KINDS = ("latex", *LANGUAGES, "save")
+_KINDS = ("latex", *LANGUAGES, "certificate", "save")
 
 
 @options.command(
@@ -26,6 +26,7 @@ _KINDS = ("latex", *LANGUAGES, "save")
     options.DESCRIPTION, options.criterion("all"),
     file_option("--latex", help="A LaTeX document."),
     *(file_option(f"--{name}", help=language.description) for name, language in LANGUAGES.items()),
+    file_option("--certificate", help="A proof in plain SymPy, which needs nothing of this package."),
     file_option("--save", help="Exact, for stickslip_sym.load."),
     option("--fragment", is_flag=True, help="LaTeX for \\input: without preamble."),
     option("--steps", is_flag=True, help="LaTeX with every step of the derivations."),
@@ -33,10 +34,11 @@ _KINDS = ("latex", *LANGUAGES, "save")
     options.time_limit("Seconds for each criterion (120).", SECONDS),
 )  # fmt: skip
 def run(given: Given) -> None:
-    """Write criteria as LaTeX, Python, C or Octave. If anything fails, nothing is written.
+    """Write criteria as LaTeX, Python, C, Octave or a proof. If anything fails, nothing is written.
 
     Example: stickslip export exponential polynomial --criterion all --latex criteria.tex --symbol V=v_b
     """
+    from stickslip_sym.formula.certificate import certificate
     from stickslip_sym.formula.files import text_of
     from stickslip_sym.output import files
 
@@ -63,7 +65,13 @@ def run(given: Given) -> None:
         for law, criterion, form in found
         if code and law not in unbound
     ]
-    write = {"latex": lambda: ss.export_latex(forms, missing=missing, **style), "save": lambda: text_of(forms)}
+    if "certificate" in targets:
+        style["certificate"] = targets["certificate"].name
+    write = {
+        "latex": lambda: ss.export_latex(forms, missing=missing, **style),
+        "certificate": lambda: certificate(forms),
+        "save": lambda: text_of(forms),
+    }
     files.write_texts(
         {path: write[kind]() if kind in write else ss.export_code(coded, kind) for kind, path in targets.items()}
     )

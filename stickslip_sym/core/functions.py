@@ -66,6 +66,8 @@ class Function:
     """Whether LaTeX writes powers on the name."""
     meaning: str = ""
     """What a document says of it, in LaTeX, of a function that not every reader knows."""
+    dlmf: str = ""
+    """The sections of the Digital Library of Mathematical Functions on its derivative and its series."""
     c: str | None = None
     """A call in C99: the name, or text with ``{}`` for the argument; None where it has no such function."""
     python: str | None = None
@@ -211,7 +213,7 @@ _ROWS = (
     Function(sp.exp, acb.exp, series=arb_series.exp, gain=lambda x, a, gain: sp.exp(a) * expm1(gain),
              inverse=sp.log, analytic=True, hypergeometric=lambda z: sp.hyper((), (), z),
              ladder=lambda x, n, j: sp.exp(x), dies=lambda z: bool(z.is_negative), in_laws=True, latex=None,
-             c="exp", python="np.exp"),
+             c="exp", python="np.exp", dlmf="4.7, 4.2"),
     Function(sp.log, acb.log, _below_zero, arb_series.log, gain=lambda x, a, gain: log1p(gain / a), inverse=sp.exp,
              domain=lambda z: (z,), in_laws=True, aliases=("ln",), latex=r"\ln", c="log", python="np.log"),
     Function(sp.sin, acb.sin, series=arb_series.sin,
@@ -265,10 +267,10 @@ _ROWS = (
     Function(expm1, acb.expm1, floats=np.expm1, c="expm1", python="np.expm1"),
     Function(log1p, acb.log1p, lambda z: _below_zero(1 + z), c="log1p", python="np.log1p"),
     Function(sp.besseli, lambda order, z: z.bessel_i(order), _anywhere, domain=_of_whole_order,
-             hypergeometric=_bessel(1), latex="I", indexed=True,
+             hypergeometric=_bessel(1), latex="I", indexed=True, dlmf="10.29, 10.25",
              meaning="$I_n$ is the modified Bessel function of the first kind"),
     Function(sp.besselj, lambda order, z: z.bessel_j(order), _anywhere, domain=_of_whole_order,
-             hypergeometric=_bessel(-1), latex="J", indexed=True),
+             hypergeometric=_bessel(-1), latex="J", indexed=True, dlmf="10.6, 10.2"),
     Function(sp.besselk, lambda order, z: z.bessel_k(order), _anywhere, latex="K", indexed=True),
     Function(sp.bessely, lambda order, z: z.bessel_y(order), _anywhere, latex="Y", indexed=True),
     Function(sp.gamma, acb.gamma, latex=r"\Gamma"),
@@ -285,15 +287,15 @@ _ROWS = (
     Function(sp.zeta, acb.zeta, _anywhere, latex=r"\zeta"),
     Function(sp.dirichlet_eta, acb.dirichlet_eta, _anywhere, latex=r"\eta",
              meaning=r"$\eta$ is Dirichlet's eta function"),
-    Function(sp.hyper, None, domain=_where_it_converges, latex=None,
+    Function(sp.hyper, None, domain=_where_it_converges, latex=None, dlmf="16.3, 16.2",
              meaning="${}_pF_q$ is the generalised hypergeometric function"),
     Function(sp.elliptic_k, acb.elliptic_k, _anywhere, domain=lambda m: (1 - m,),
-             hypergeometric=lambda m: sp.pi / 2 * sp.hyper((_HALF, _HALF), (1,), m), latex="K"),
+             hypergeometric=lambda m: sp.pi / 2 * sp.hyper((_HALF, _HALF), (1,), m), latex="K", dlmf="19.4, 19.5"),
     Function(sp.elliptic_e, acb.elliptic_e, _anywhere, domain=lambda m: (1 - m,),
-             hypergeometric=lambda m: sp.pi / 2 * sp.hyper((-_HALF, _HALF), (1,), m), latex="E",
+             hypergeometric=lambda m: sp.pi / 2 * sp.hyper((-_HALF, _HALF), (1,), m), latex="E", dlmf="19.4, 19.5",
              meaning="$E(m)$ is the complete elliptic integral of the second kind of the parameter $m$"),
     Function(sp.elliptic_pi, acb.elliptic_pi, _anywhere, domain=lambda n, m: (1 - n, 1 - m), latex=r"\Pi",
-             meaning=r"$\Pi(n, m)$ is the one of the third kind, of the characteristic $n$"),
+             dlmf="19.4, 19.5", meaning=r"$\Pi(n, m)$ is the one of the third kind, of the characteristic $n$"),
     Function(Lerch, Lerch.ball, _anywhere, domain=lambda z, s, a: () if z.is_nonpositive else None,
              latex=r"\Phi"),
     Function(sp.Ei, acb.ei, _anywhere),

@@ -173,7 +173,7 @@ class Average:
             elif isinstance(part.by, AverageSeries) and verdict.status is Status.PROVED:
                 reason += f"; {AVERAGES_AGREE}"
         statement = self._in_shapes(sp.Eq(part.integral, part.value, evaluate=False))
-        return Step(operation, reason, statement, verdict)
+        return Step(operation, reason, statement, verdict, by=part.by)
 
     def __repr__(self) -> str:
         return f"Average: {printing.text(self.profile)}, {self.criterion.name}"

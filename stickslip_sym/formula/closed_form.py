@@ -16,6 +16,7 @@ from stickslip_sym.core.status import Status
 from stickslip_sym.core.symbols import N, V, c, mu, v
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.formula.average import Average, average_of
+from stickslip_sym.formula.certificate import certificate
 from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.exact import exact_value
 from stickslip_sym.formula.finding.search import Progress
@@ -217,6 +218,21 @@ class ClosedForm(SlopeAverage):
         names = notation_of(["c", *self.arguments], given)
         conditions = [f"\\quad {printing.latex(condition, names)}" for condition in self.conditions]
         return ", ".join([f"{names['c']} = {printing.latex(self.expr, names)}", *conditions])
+
+    def certificate(self) -> str:
+        """Return a script in plain SymPy that proves this formula, and needs nothing of this package.
+
+        It states mu(v), the definition of the criterion and c, and asserts the split into terms, the average of
+        each profile by the theorem that proved it, their sum, and mpmath's quadrature of the definition at twelve
+        points. Of a formula that is CHECKED its first line says what it does not prove.
+
+        Examples
+        --------
+        >>> from stickslip_sym import derive
+        >>> print(derive("mu_s - a*v").certificate().splitlines()[-1])
+        print("proved: mu_s - a*v, least_squares")
+        """
+        return certificate([self])
 
     def _repr_html_(self) -> str:
         where = f"{self.law.name or self.law.text}, {self.criterion.name}: damping coefficient in kg/s"

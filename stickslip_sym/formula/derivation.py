@@ -35,6 +35,8 @@ class Step:
         What computing it showed.
     label : str
         The number of the equation in its source, like "(16)", or empty.
+    by : By, optional
+        The theorem by which it was proved, with all that checking it takes.
     """
 
     operation: str
@@ -42,6 +44,7 @@ class Step:
     statement: Expr
     verdict: Verdict
     label: str = ""
+    by: By | None = None
 
     def __repr__(self) -> str:
         label = f" {self.label}" if self.label else ""

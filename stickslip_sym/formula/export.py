@@ -103,6 +103,7 @@ def export_latex(
     fragment: bool = False,
     steps: bool = False,
     missing: Sequence[tuple[FrictionLaw, str, str]] = (),
+    certificate: str = "",
 ) -> str:
     r"""Return a LaTeX document about closed forms, or a fragment for ``\input``.
 
@@ -121,6 +122,8 @@ def export_latex(
         Print every step of the derivations.
     missing : sequence of (FrictionLaw, str, str)
         Laws, criteria that have no closed form for them, and why; the document says so.
+    certificate : str
+        The name of a file with their certificates, for a footnote.
 
     Returns
     -------
@@ -156,7 +159,7 @@ def export_latex(
         chapter += _about(law, mark, names)
         for form in listed:
             if form.law == law:
-                chapter += _criterion(form, mark, given, steps)
+                chapter += _criterion(form, mark, given, steps, certificate)
         chapter += [
             f"For the {prose(criterion.replace('_', '-'))} criterion no closed form was found; its value by "
             f"quadrature remains.\n% {' '.join(reason.split())}"
@@ -214,7 +217,9 @@ def criterion_latex(form: ClosedForm, label: str) -> str:
     return equation(names["c"], shown.expr, names, label=label, letters=letters)
 
 
-def _criterion(form: ClosedForm, mark: str, given: Mapping[str, str], steps: bool) -> Iterator[str]:
+def _criterion(
+    form: ClosedForm, mark: str, given: Mapping[str, str], steps: bool, certificate: str
+) -> Iterator[str]:
     criterion, (shown, letters) = form.criterion, lettered(form)
     names = notation_of(["mu", *quantities.QUANTITIES, *shown.law.parameters], given)
     source = f" ({prose(criterion.source, {'V': names['V']})})" if criterion.source else ""
@@ -226,7 +231,8 @@ def _criterion(form: ClosedForm, mark: str, given: Mapping[str, str], steps: boo
     ]
     lines += [f"Here {row.meaning}." for row in FUNCTIONS.values() if row.meaning and form.expr.has(row.kind)]
     lines += [*_ends(shown, names), _zeros(form, names)]
-    lines.append(f"Verification: {form.verdict.status.value}; {prose(form.verdict.evidence)}.")
+    note = f"\\footnote{{Certificate: \\texttt{{{prose(certificate)}}}.}}" if certificate else ""
+    lines.append(f"Verification: {form.verdict.status.value}; {prose(form.verdict.evidence)}.{note}")
     yield "\n".join(lines)
     if steps:
         yield form.derivation.latex(names, heading=f"Derivation of (\\ref{{{label}}})")

@@ -10,6 +10,7 @@ from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache, partial, reduce
 from operator import add, mul
+from typing import NamedTuple
 
 import sympy as sp
 from sympy.polys.rings import PolyElement
@@ -62,6 +63,15 @@ class Element:
         return total
 
 
+class Generator(NamedTuple):
+    """A generator by name, what it means, and its derivative and its square where it has such, by names."""
+
+    symbol: Expr
+    meaning: Expr
+    slope: Expr | None
+    square: Expr | None
+
+
 class Algebra:
     """The formulas in one variable and some parameters."""
 
@@ -70,7 +80,8 @@ class Algebra:
         self.field = sp.QQ.frac_field(variable, *parameters, sp.pi)
         self.ring = sp.ring([f"g{i}" for i in range(_GENERATORS)], self.field)[0]
         self.slopes: dict[PolyElement, Callable[[], Element]] = {}  # of the generators that are functions
-        self._meanings: list[Expr] = []  # of all generators, for those that are constants
+        self._meanings: list[Expr] = []  # of all generators
+        self._names: list[Expr] = []
         self._squares: dict[int, PolyElement] = {}
         self._seen: dict[Hashable, Element] = {}
 
@@ -83,6 +94,8 @@ class Algebra:
         if meaning.has(sp.oo, sp.zoo, sp.nan):
             raise ValueError("a constant is not finite")
         self._meanings.append(meaning)
+        kind = "root" if square is not None else "theta" if meaning.is_Mul else meaning.func.__name__
+        self._names.append(sp.Symbol(f"{kind}_{index + 1}"))
         generator = self.ring.gens[index]
         if meaning.has(self.variable) and slope is not None:
             self.slopes[generator] = cache(slope)
@@ -118,11 +131,38 @@ class Algebra:
 
     def expression(self, a: Element) -> Expr:
         """Return a polynomial in generators of constants as an expression."""
+        return sp.factor(self._with(self._meanings, a.polynomial))
+
+    def _with(self, generators: Sequence[Expr], polynomial: PolyElement) -> Expr:
         terms = [
-            sp.Mul(self.field.to_sympy(coefficient), *map(sp.Pow, self._meanings, monomial))
-            for monomial, coefficient in a.polynomial.items()
+            sp.Mul(self.field.to_sympy(coefficient), *map(sp.Pow, generators, monomial))
+            for monomial, coefficient in polynomial.items()
         ]
-        return sp.factor(sp.Add(*terms))
+        return sp.Add(*terms)
+
+    def by_names(self, a: Element) -> Expr:
+        """Return an element with a symbol for each generator."""
+        return self._with(self._names, a.polynomial)
+
+    def table(self, elements: Iterable[Element]) -> list[Generator]:
+        """Return the generators of which elements and their derivatives consist, in the order of their making."""
+        rows: dict[int, Generator] = {}
+
+        def add(polynomial: PolyElement) -> None:
+            for index in sorted({i for monomial in polynomial for i, power in enumerate(monomial) if power}):
+                if index in rows:
+                    continue
+                slope, square = self.slopes.get(self.ring.gens[index]), self._squares.get(index)
+                derivative = None if slope is None else slope()
+                texts = (derivative and self.by_names(derivative), square and self._with(self._names, square))
+                rows[index] = Generator(self._names[index], self._meanings[index], *texts)
+                for part in (derivative and derivative.polynomial, square):
+                    if part is not None:
+                        add(part)
+
+        for a in elements:
+            add(a.polynomial)
+        return [rows[index] for index in sorted(rows)]
 
     # -- expressions -------------------------------------------------------------------------------
 
@@ -217,7 +257,10 @@ class Algebra:
             lower: Element = reduce(add, map(mul, equation, functions))
             return -rate * lower / equation[-1]
 
-        functions = [self._generator(expr, partial(slope, k)) for k in range(order)]
+        meanings = [expr]
+        for _ in range(order - 1):
+            meanings.append(z * sp.diff(meanings[-1], self.variable) / sp.diff(z, self.variable))
+        functions = [self._generator(meaning, partial(slope, k)) for k, meaning in enumerate(meanings)]
         return functions[0]
 
 

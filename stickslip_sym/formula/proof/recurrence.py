@@ -9,7 +9,7 @@ analytic for V > 0 that agree near 0 agree for every V > 0.
 """
 
 from dataclasses import dataclass
-from functools import reduce
+from functools import cached_property, reduce
 from operator import add
 
 import sympy as sp
@@ -50,11 +50,44 @@ class AverageSeries:
         expected = definition(self.constant * self.term, self.criterion)
         if expr != expected and normal_form(expr - expected) != 0:
             raise ValueError("the integral is not the average of the term")
+        _ = self.proof
+        return self.constant * self.value
+
+    @cached_property
+    def proof(self) -> "SeriesProof | None":
+        """What the hypotheses were checked on; of a power v^p, whose average is a moment, nothing more."""
         try:
-            prove_average(self.term, self.value, self.criterion)
+            return prove_average(self.term, self.value, self.criterion)
         except (BasePolynomialError, NotImplementedError) as failure:  # SymPy's ways to say that
             raise ValueError(f"SymPy cannot compute with the term: {type(failure).__name__}") from None
-        return self.constant * self.value
+
+
+@dataclass(frozen=True)
+class SeriesProof:
+    """The data of the theorem: with them its hypotheses are checked again in a few lines of algebra.
+
+    Attributes
+    ----------
+    equation : list of Poly
+        a_i(v) with sum_i a_i g^(i) = `rest`.
+    rest : Poly
+    weighted : list of Poly
+        q_k(n) with sum_k q_k(n) b_(n+k) g_(n+k) = 0 for n >= `first`.
+    first : int
+    product : Element
+        V F(V).
+    """
+
+    equation: list[sp.Poly]
+    rest: sp.Poly
+    weighted: list[sp.Poly]
+    first: int
+    product: Element
+
+    @property
+    def count(self) -> int:
+        """How many coefficients the recurrence does not fix."""
+        return self.first + len(self.weighted) - 1
 
 
 def definition(mu: Expr, criterion: Criterion) -> Expr:
@@ -70,15 +103,16 @@ def definition(mu: Expr, criterion: Criterion) -> Expr:
     return sp.Integral(mu * criterion.kernel, (v, 0, 2 * V)) + boundary
 
 
-def prove_average(term: Expr, value: Expr, criterion: Criterion) -> None:
+def prove_average(term: Expr, value: Expr, criterion: Criterion) -> SeriesProof | None:
     """Prove that `value` is the average of a term, or raise ValueError and say which hypothesis fails."""
     u = symbols.v
     if term.is_Pow and term.base == u and not term.exp.is_Integer:
         _require_moment(term.exp, value, criterion)
-        return
+        return None
     parameters = sorted((term.free_symbols | value.free_symbols) - {u, V}, key=str)
     n = sp.Dummy("n")
-    recurrence, start = _recurrence(term, u, n)
+    equation, rest = _equation_of(term, u)
+    recurrence, start = _recurrence(equation, rest, n)
     weighted, common = _weighted(recurrence, criterion, n)
     first = _fixed_from(weighted[-1].as_expr() * common, n, start)
     count = first + len(weighted) - 1  # coefficients that the recurrence does not fix
@@ -86,7 +120,9 @@ def prove_average(term: Expr, value: Expr, criterion: Criterion) -> None:
     if not is_smooth(value, V, analytic=True, inside=False):
         raise ValueError(f"{value} is not known to be analytic for {V} > 0")
     _require_same_start(algebra, term, value, criterion, count)
-    _require_equation(algebra.of(V * value), weighted, n, count)
+    product = algebra.of(V * value)
+    _require_equation(product, weighted, n, count)
+    return SeriesProof(equation, rest, weighted, first, product)
 
 
 def _require_moment(p: Expr, value: Expr, criterion: Criterion) -> None:
@@ -100,19 +136,23 @@ def _require_moment(p: Expr, value: Expr, criterion: Criterion) -> None:
 # -- the recurrence of the term, and of the average ------------------------------------------------
 
 
-def _recurrence(term: Expr, u: Expr, n: Expr) -> tuple[list[Expr], int]:
-    """Return p_k(n) and the first n with sum_k p_k(n) g_(n+k) = 0 from it on, g_j = 0 for j < 0."""
+def _equation_of(term: Expr, u: Expr) -> tuple[list[sp.Poly], sp.Poly]:
+    """Return polynomials a_i and a rest with sum_i a_i g^(i) = rest for a term g; a_r has no zero for u > 0."""
     if term.is_rational_function(u):
-        above, below = (sp.Poly(part, u) for part in sp.fraction(sp.cancel(term)))
+        rest, below = (sp.Poly(part, u) for part in sp.fraction(sp.cancel(term)))
         if below.nth(0) == 0:
             raise ValueError(f"{term} is not known to be finite at {u} = 0")
-        _require_no_zero(below.as_expr(), u)
-        coefficients = below.all_coeffs()  # sum_k below_(d-k) g_(n+k)
-        return coefficients, max(above.degree() - below.degree() + 1, 0)
-    if not is_smooth(term, u):
+        equation = [below]
+    elif is_smooth(term, u):
+        equation, rest = _equation(term, u), sp.Poly(0, u)
+    else:
         raise ValueError(f"{term} is not known to be smooth for {u} >= 0")
-    equation = _equation(term, u)
     _require_no_zero(equation[-1].as_expr(), u)
+    return equation, rest
+
+
+def _recurrence(equation: list[sp.Poly], rest: sp.Poly, n: Expr) -> tuple[list[Expr], int]:
+    """Return p_k(n) and the first n with sum_k p_k(n) g_(n+k) = 0 from it on, g_j = 0 for j < 0."""
     # c u^m g^(i) adds c j...(j - i + 1) g_j to the coefficient of u^(j - i + m).
     lowest = min(i - m for i, coefficient in enumerate(equation) for (m,) in coefficient.monoms())
     parts: dict[int, Expr] = {}
@@ -120,7 +160,8 @@ def _recurrence(term: Expr, u: Expr, n: Expr) -> tuple[list[Expr], int]:
         for (m,), c in coefficient.terms():
             k = i - m - lowest
             parts[k] = parts.get(k, 0) + c * sp.ff(n + k, i)
-    return [parts.get(k, sp.Integer(0)) for k in range(max(parts) + 1)], max(lowest, 0)
+    start = lowest + (0 if rest.is_zero else rest.degree() + 1)
+    return [parts.get(k, sp.Integer(0)) for k in range(max(parts) + 1)], max(start, 0)
 
 
 def _equation(f: Expr, u: Expr) -> list[sp.Poly]:
@@ -148,7 +189,7 @@ def _require_no_zero(polynomial: Expr, u: Expr) -> None:
 
 def _weighted(recurrence: list[Expr], criterion: Criterion, n: Expr) -> tuple[list[sp.Poly], Expr]:
     """Return q_k with sum_k q_k(n) b_(n+k) g_(n+k) = 0, polynomials in n, and what was divided out of them."""
-    ratio = _ratio(criterion, n)
+    ratio = moment_ratio(criterion, n)
     terms = [sp.cancel(p / sp.prod([ratio.subs(n, n + i) for i in range(k)])) for k, p in enumerate(recurrence)]
     above = sp.lcm_list([sp.denom(term) for term in terms])
     whole = [sp.Poly(sp.cancel(term * above), n) for term in terms]
@@ -156,7 +197,7 @@ def _weighted(recurrence: list[Expr], criterion: Criterion, n: Expr) -> tuple[li
     return [sp.Poly(sp.cancel(q.as_expr() / common), n) for q in whole], common
 
 
-def _ratio(criterion: Criterion, n: Expr) -> Expr:
+def moment_ratio(criterion: Criterion, n: Expr) -> Expr:
     """Return b_(n+1)/b_n."""
     if not criterion.is_polynomial:
         return (n + 1) * (2 * n + 1) / (n * (n + 2))

@@ -64,19 +64,24 @@ class PieceByPiece:
     primitives: Sequence[Expr]
     variable: Expr
 
+    def parts(self, integrand: Expr, low: Expr, high: Expr) -> list[tuple[Expr, Expr, Expr, Expr]]:
+        """Return each primitive, what its derivative must be, and from where to where."""
+        pieces, places = _pieces(integrand, self.variable)
+        if places and low != 0:
+            raise ValueError(f"the pieces start at 0, the integral at {low}")
+        if len(pieces) != len(self.primitives):
+            raise ValueError(f"{len(self.primitives)} antiderivatives for {len(pieces)} pieces")
+        ends = pairwise(ends_of_pieces(places, high, low))
+        return [(*pair, *end) for *pair, end in zip(self.primitives, pieces, ends, strict=True)]
+
     def __call__(self, expr: Expr) -> Expr:
         """Apply the fundamental theorem of calculus on each piece, after differentiating its primitive."""
 
-        def evaluate(integrand: Expr, low: Expr, high: Expr) -> Expr:
-            pieces, places = _pieces(integrand, self.variable)
-            if places and low != 0:
-                raise ValueError(f"the pieces start at 0, the integral at {low}")
-            if len(pieces) != len(self.primitives):
-                raise ValueError(f"{len(self.primitives)} antiderivatives for {len(pieces)} pieces")
-            parts = zip(self.primitives, pieces, pairwise(ends_of_pieces(places, high, low)), strict=True)
-            return sp.Add(
-                *[_difference(primitive, piece, self.variable, *ends) for primitive, piece, ends in parts]
-            )
+        def evaluate(*integral: Expr) -> Expr:
+            return sp.Add(*[
+                _difference(primitive, piece, self.variable, *ends)
+                for primitive, piece, *ends in self.parts(*integral)
+            ])  # fmt: skip
 
         return _in_integrals_over(self.variable, expr, evaluate)
 

@@ -1,0 +1,138 @@
+"""A closed form leaves as a script that proves it without this package, and fails at whatever is changed in it."""
+
+import ast
+import contextlib
+import io
+import random
+import shutil
+import subprocess
+import sys
+import sysconfig
+
+import pytest
+
+import stickslip_sym as ss
+from stickslip_sym.formula.certificate import certificate
+
+WITHOUT_THE_PACKAGE = "import runpy, sys; sys.modules['stickslip_sym'] = None; runpy.run_path(sys.argv[1])"
+CATALOGUE = [(name, criterion) for name in ss.laws for criterion in ("equilibrium", "least_squares", "harmonic")]
+CHANGED = {
+    "law": ("mu = ",),
+    "formula": ("c = ",),
+    "weight": ("w = ", "K = "),
+    "antiderivative": ("A1",),
+    "limit": ("F1",),
+    "equation": ("equation = ",),
+    "operator": ("q = ", "y = "),
+    "function": ("generators[", "roots["),
+}
+"""What may be changed, by what its lines begin with."""
+
+
+def outcome(script):
+    """Run a script in this process; return what it printed, or what its assertion says."""
+    stream = io.StringIO()
+    try:
+        with contextlib.redirect_stdout(stream):
+            exec(compile(script, "a certificate", "exec"), {})
+    except AssertionError as failure:
+        return f"failed: {failure}"
+    return stream.getvalue().strip()
+
+
+def changed(line, rng):
+    """Return a line with another sign, or another number, at a random place; the same line where it has none."""
+    tree = ast.parse(line)
+    value = tree.body[0].value
+    signs = [node for node in ast.walk(value) if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub)]
+    numbers = [node for node in ast.walk(value) if isinstance(node, ast.Constant) and isinstance(node.value, int)]
+    if not signs + numbers:
+        return line
+    node = rng.choice(signs + numbers)
+    if isinstance(node, ast.BinOp):
+        node.op = ast.Sub() if isinstance(node.op, ast.Add) else ast.Add()
+    else:
+        node.value += 1
+    return ast.unparse(tree)
+
+
+def mutants(script, kind, count, rng):
+    """Return some scripts with one line of a kind changed."""
+    lines = script.splitlines()
+    start = next(i for i, line in enumerate(lines) if line.startswith("# -- "))
+    places = [
+        i for i, line in enumerate(lines)
+        if i > start and line.startswith(CHANGED[kind]) and (kind != "limit" or ".subs(v" in line)
+    ]  # fmt: skip
+    found = set()
+    for _ in range(20 * count):
+        if not places or len(found) == count:
+            break
+        i = rng.choice(places)
+        new = changed(lines[i], rng)
+        if new != lines[i] and ast.dump(ast.parse(new)) != ast.dump(ast.parse(lines[i])):
+            found.add("\n".join([*lines[:i], new, *lines[i + 1 :]]))
+    return sorted(found)
+
+
+def test_a_certificate_proves_without_the_package(tmp_path):
+    """Several laws one after another, formatted as the project formats."""
+    forms = [ss.derive("polynomial", "harmonic"), ss.derive("exponential"), ss.derive("linear", "equilibrium")]
+    path = tmp_path / "proof.py"
+    path.write_text(certificate(forms))
+    done = subprocess.run(
+        [sys.executable, "-c", WITHOUT_THE_PACKAGE, str(path)], capture_output=True, text=True, check=False
+    )
+    assert done.stdout.splitlines() == [
+        "proved: polynomial, harmonic", "proved: exponential, least_squares", "proved: linear, equilibrium"
+    ], done.stderr  # fmt: skip
+    ruff = shutil.which("ruff", path=sysconfig.get_path("scripts")) or shutil.which("ruff")
+    if ruff is not None:
+        for command in (["check"], ["format", "--check"]):
+            subprocess.run([ruff, *command, "--config", "pyproject.toml", str(path)], check=True, capture_output=True)
+
+
+@pytest.mark.parametrize(("law", "criterion"), [("linear", "least_squares"), ("exponential", "harmonic")])
+def test_whatever_is_changed_is_noticed(law, criterion):
+    rng, script = random.Random(1), ss.derive(law, criterion).certificate()
+    kinds = [kind for kind in CHANGED if mutants(script, kind, 1, rng)]
+    assert len(kinds) >= 5
+    for kind in kinds:
+        for mutant in mutants(script, kind, 2, rng):
+            assert outcome(mutant).startswith("failed: "), kind
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("law", "criterion"), CATALOGUE)
+def test_the_catalogue_leaves_with_its_proofs(law, criterion):
+    try:
+        script = ss.derive(law, criterion).certificate()
+    except ss.NoClosedForm:
+        return
+    assert outcome(script) == f"proved: {law}, {criterion}"
+    rng = random.Random(law)
+    for kind in CHANGED:
+        for mutant in mutants(script, kind, 2, rng):
+            assert outcome(mutant).startswith("failed: "), kind
+
+
+def test_names_of_parameters_mean_nothing_else_in_a_script():
+    form = ss.derive("gamma + F1*exp(-v/sum) + n*v + sp*v^2")
+    assert outcome(form.certificate()) == f"proved: {form.law.text}, least_squares"
+
+
+def test_pieces_are_proved_between_kinks_and_what_is_not_proved_is_named():
+    text = "mu_s - a*Min(v, v_k)"
+    assert outcome(ss.derive(text).certificate()).startswith("proved: ")
+    script = ss.derive(text, "harmonic").certificate()
+    assert script.splitlines()[0].startswith('"""Not proved here')
+    assert outcome(script).startswith("compared: ")
+    assert outcome(script.replace("# Of this", "F1 = 2 * F1  # Of this")).startswith("failed") is False
+    assert outcome(script.replace("g1.subs", "2 * g1.subs", 1)).startswith("failed: the split")
+
+
+def test_a_sensitivity_starts_from_the_law_that_it_is_of():
+    script = ss.derive("exponential").sensitivity("alpha").certificate()
+    assert outcome(script).startswith("proved: ")
+    (law,) = [line for line in script.splitlines() if line.startswith("law = mu_m")]
+    assert outcome(script.replace(law, law.replace("alpha", "2 * alpha"))) == "failed: the derivative of the law"
