@@ -1,8 +1,7 @@
 """Closed forms as a script in plain SymPy that proves them, for readers who trust nothing of this package.
 
 The script is printed from the steps that were carried out, each with the theorem that proved it and the data by
-which its hypotheses were checked: nothing is sought here. The functions
-that it needs beside formulas are those of `certificate.txt`.
+which its hypotheses were checked: nothing is sought here. Its functions are those of `certificate.txt`.
 """
 
 import builtins
@@ -11,6 +10,7 @@ import keyword
 import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from textwrap import shorten
 from typing import TYPE_CHECKING
 
 import sympy as sp
@@ -26,7 +26,7 @@ from stickslip_sym.formula.proof.recurrence import AverageSeries, SeriesProof, m
 from stickslip_sym.formula.proof.theorems import PieceByPiece, value_at
 from stickslip_sym.model.expression.pieces import places
 from stickslip_sym.output import printing
-from stickslip_sym.output.python_printer import assignment, code, formatted, imports
+from stickslip_sym.output.python_printer import WIDTH, assignment, code, formatted, imports, line
 from stickslip_sym.output.script import sections
 
 if TYPE_CHECKING:
@@ -64,23 +64,25 @@ def _chosen(text: str, named: set[str]) -> str:
 
 def _title(forms: "Sequence[ClosedForm]") -> str:
     unproved = dict.fromkeys(printing.text(average.profile) for form in forms for average in _unproved(form))
-    names = dict.fromkeys(f"{form.criterion.name} of {form.law.name or form.law.text}" for form in forms)
-    first = (
-        f"Not proved here, and compared at points only: the average of {', '.join(unproved)}."
-        if unproved
-        else "The damping coefficient c, proved for every value of its parameters."
-    )
-    lines = [f'"""{first}', "", *(f"- {name}" for name in names), "", _parts_of_title, '"""']
-    return "\n".join(lines)
+    first = "The damping coefficient c, proved for every value of its parameters."
+    if unproved:
+        first = f"Not proved here, and compared at points only: the average of {', '.join(unproved)}."
+    names = dict.fromkeys(f"- {_where(form)}" for form in forms)
+    lines = [shorten(line.replace("\\", "/").replace('"', "'"), WIDTH - 10) for line in (first, *names)]
+    return "\n".join([f'"""{lines[0]}', "", *lines[1:], "", _INTRODUCTION, '"""'])
 
 
-_parts_of_title = """\
+_INTRODUCTION = """\
 A mass is pressed by the force N on a belt of speed V; mu(v) is the coefficient of friction at the slip speed v. A
 criterion averages the falling slope over the slip speeds v = V (1 + s) from 0 to 2 V, with a weight w(s):
 
     c = -N integral of w(s) mu'(V (1 + s)) ds over -1 <= s <= 1.
 
 Nothing but SymPy and mpmath is needed. An AssertionError names the step that fails."""
+
+
+def _where(form: "ClosedForm") -> str:
+    return " ".join(f"{form.law.name or form.law.text}, {form.criterion.name}".split())
 
 
 def _unproved(form: "ClosedForm") -> list[Average]:
@@ -131,14 +133,13 @@ class _Section:
         for kind, group in kinds.items():
             left, right = (" ".join(words) for words in ([self._name(x) for x in group], [x.name for x in group]))
             maker = "sp.symbols" if len(group) > 1 else "Symbol"
-            yield f'{left.replace(" ", ", ")} = {maker}("{right}", {kind}=True)'
+            yield line(f'{left.replace(" ", ", ")} = {maker}("{right}", {kind}=True)')
 
     # -- the law, the criterion, the formula ---------------------------------------------------------
 
     def lines(self) -> Iterator[str]:
         form, criterion = self.form, self.criterion
-        where = f"{form.law.name or form.law.text}, {criterion.name}"
-        yield f"# -- {where} ".ljust(100, "-")
+        yield f"# -- {shorten(_where(form), 90)} ".ljust(100, "-")
         yield from self.declare(symbols.V, symbols.N, symbols.v, *self.parameters)
         yield self.let("mu", form.law.expr)
         if form.origin is not None:
@@ -148,7 +149,7 @@ class _Section:
             yield f"# A criterion is linear in mu: this is the derivative of c by {name}, if mu is that of the law"
             yield self.let("law", source.law.expr)
             yield f'assert vanishes(sp.diff(law, {self.names[symbol]}) - mu), "the derivative of the law"'
-        yield f"# {criterion.source or 'the criterion ' + criterion.name}"
+        yield f"# {shorten(criterion.source or 'the criterion ' + criterion.name, WIDTH - 2)}"
         if criterion.weight is None:
             yield "# The weight is a unit mass at s = 0: c = -N mu'(V), above which small motions decay"
         else:
@@ -162,8 +163,7 @@ class _Section:
         yield from self._sum()
         yield from self._points()
         yield from self._limits()
-        unproved = _unproved(form)
-        yield f"print({json.dumps(('compared: ' if unproved else 'proved: ') + where)})"
+        yield line(f"print({json.dumps(('compared: ' if _unproved(form) else 'proved: ') + _where(form))})")
 
     def _kernel(self) -> Iterator[str]:
         criterion = self.criterion
@@ -333,7 +333,7 @@ class _Section:
         kinks = f"[{', '.join(map(self.code, places(self.form.law.expr)))}]"
         rest = self.criterion.boundary(self.form.law.expr) if self.criterion.is_polynomial else sp.S.Zero
         yield "# By mpmath, without any of the above"
-        yield f"parameters = ({names})"
+        yield line(f"parameters = ({names})")
         if self.criterion.weight is None:
             yield "compare_slope(c, -N * mu, parameters)"
         elif self.criterion.is_polynomial:

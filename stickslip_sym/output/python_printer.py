@@ -78,9 +78,13 @@ class _Powers(ast.NodeTransformer):
 
 
 def assignment(name: str, text: str) -> str:
-    """Return an assignment on one line, which ruff leaves as it is where it is long."""
-    line = f"{name} = {formatted(text)}"
-    return line if len(line) <= WIDTH else line + _LONG
+    """Return an assignment on one line."""
+    return line(f"{name} = {formatted(text)}")
+
+
+def line(text: str) -> str:
+    """Return a line of a script, which ruff leaves as it is where it is long."""
+    return text if len(text) <= WIDTH else text + _LONG
 
 
 def imports(body: str) -> str:
@@ -93,7 +97,7 @@ def imports(body: str) -> str:
     used = {node.id for node in names} - made
     wanted = sorted((name for name in used if hasattr(sp, name)), key=lambda name: (name.islower(), name.lower()))
     modules = [f"import {name}\n" for name in ("random", "mpmath") if name in used]
-    line = f"from sympy import {', '.join(wanted)}"
-    if len(line) > WIDTH:
-        line = "\n".join(["from sympy import (", *(f"    {name}," for name in wanted), ")"])
-    return "\n".join(["", *modules[:-1], *modules[-1:]]) + f"import sympy as sp\n{line}\n"
+    functions = f"from sympy import {', '.join(wanted)}"
+    if len(functions) > WIDTH:
+        functions = "\n".join(["from sympy import (", *(f"    {name}," for name in wanted), ")"])
+    return "\n".join(["", *modules]) + f"import sympy as sp\n{functions}\n"
