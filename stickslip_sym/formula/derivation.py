@@ -39,6 +39,8 @@ class Step:
         The theorem by which it was proved, with all that checking it takes.
     """
 
+    reported = ("operation", "reason", "statement", "verdict", "label")
+
     operation: str
     reason: str
     statement: Expr
