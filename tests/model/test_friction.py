@@ -47,7 +47,7 @@ REFUSED = [
       for speed in (-1e-300, math.nan, math.inf, [0.1, -0.2])),
     *(("is not a number or an array of numbers", lambda speed=speed: LAW.typical().mu(speed))
       for speed in ("x", None, 1j, [1, [2]], {1})),
-    *(("has a kink at v = .* which is not real",
+    *(("has a kink at v = .* no real number at these values; give other",
        lambda place=place: ss.FrictionLaw(f"Piecewise((1, v < {place}), 2)").bind(a="0.5"))
       for place in ("log(a - 1)", "log(a - 0.5)", "1/(a - 0.5)")),
     *(("is not a unit|a formula is text|the formula is empty", lambda unit=unit: ss.Parameter("a", unit=unit))

@@ -113,11 +113,14 @@ def kinks_at(expr: Expr, point: Mapping[Expr, Expr], what: str = "mu") -> list[E
 
     A place that is not real at the values of the parameters is refused.
     """
-    speeds = {number_at(place, point) for place in places(expr)}
-    for speed in speeds:
+    speeds = {place: number_at(place, point) for place in places(expr)}
+    for place, speed in speeds.items():
         if not speed.is_real:
-            raise InputError(f"{what} has a kink at v = {str(speed)[:40]}, which is not real")
-    return sorted(speed for speed in speeds if speed > 0)
+            raise InputError(
+                f"{what} has a kink at v = {str(place)[:40]}, which is no real number at these values; give other "
+                "values, or write the law without this kink"
+            )
+    return sorted(speed for speed in set(speeds.values()) if speed > 0)
 
 
 def jumps(expr: Expr, point: Mapping[Expr, Expr]) -> list[tuple[Expr, Expr]]:
