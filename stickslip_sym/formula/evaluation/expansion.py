@@ -159,7 +159,9 @@ class _Expander:
         return rest.inserted_in(_taylor(kind, start))
 
     def _far_function(self, kind: type[Expr], inner: Series) -> Series:
-        """Return a function of what grows without bound."""
+        """Return a function of what grows without bound; near rest, as exp(-1/v) there, too steep for a table."""
+        if self.sign > 0:
+            raise Unexpanded(f"{kind.__name__} has an essential singularity")
         low, first = inner.leading
         positive = bool(first > 0)
         if kind is sp.log and positive:
@@ -214,8 +216,10 @@ def _means(criterion: Criterion, exponent: arb) -> tuple[arb, arb]:
     if criterion.weight is None:
         return arb(1), arb(0)
     with working_precision(_BITS):
-        low, high = (_mean_power(criterion)(exponent + step) for step in (-_STEP, _STEP))
-        return ((low + high) / 2).mid(), ((high - low) / (2 * _STEP)).mid()
+        mean = _mean_power(criterion)
+        low, high, lower, higher = (mean(exponent + k * _STEP) for k in (-1, 1, -2, 2))
+        # Of A/e + B + C e, e being the distance from the exponent, B and C.
+        return ((low + high) / 2).mid(), ((2 * (higher - lower) - (high - low)) / (6 * _STEP)).mid()
 
 
 def near_rest(series: Series, criterion: Criterion, unit: int) -> Series:
@@ -244,7 +248,7 @@ def far_out(
     powers = [order + j * unit for j in range(len(weight))]
     for (e, n), c in series.terms.items():
         mean, beside = _means(criterion, -arb(e) / unit)
-        if n > 1 or (n and e - unit in powers):
+        if n > 1:
             raise Unexpanded("a power of a logarithm")
         # log(1/v) = -log(p) - log(r), and log(1/r) stands in the result.
         _add(terms, (e, n), -c * mean)
@@ -254,7 +258,10 @@ def far_out(
         total = moment
         for (e, n), c in series.terms.items():
             rate = arb(power + unit - e) / unit
-            if rate == 0:
+            if rate == 0 and n:
+                total += c * factor * end.log() ** 2 / 2 * end ** (-arb(e) / unit)
+                _add(terms, (e, 2), c * factor / 2)
+            elif rate == 0:
                 total -= c * factor * end.log() * end ** (-arb(e) / unit)
                 _add(terms, (e, 1), c * factor)
             else:

@@ -48,7 +48,9 @@ from stickslip_sym.formula.proof.proving import Verdict
 
 _EPSILON = 2.0**-52
 _NEGLIGIBLE = 2.0**-57  # of a value: what a polynomial may leave out
-_CONDITION = 1.5  # of a polynomial: the sum of its terms' sizes over the size of the sum
+_CONDITION = {-1: 1.5, 1: 4.0}
+"""Of a series at rest, and far out: the sum of its terms' sizes over the size of the sum, before balls decide."""
+_TRIES = 4  # ends at which a series far out is compared with balls
 _UNITS = 2.75  # of eps <|g'|>, by which a formula may differ from balls
 _WRITTEN = 16  # of the same, by which what is written as code may differ from the definition
 
@@ -59,6 +61,7 @@ _LARGEST = 2.0**960  # of a coefficient: its products with its power of r stay w
 _MOST_BITS = 600  # of working precision for an enclosure of the definition: mu cancels by 2 bits an octave at rest
 _OCTAVES = (0.0, 0.4, 1.0, 1.7, 2.5, 4.0, 6.0, 9.0, 13.0, 20.0)
 """From the end of a series, at which it is compared with balls: beyond, its first terms are left."""
+_NEAR = 7  # of them, at which the last branch is compared with the definition
 _LOST = 2.0  # octaves by which a series must reach further for an exponential before it to be worth its time
 
 _NODES = 19  # of a panel
@@ -127,12 +130,10 @@ def _looked_at(branches: Branches) -> list[float]:
         elif start and end < math.inf:
             steps = np.linspace(0, 1, 2 + math.ceil(2 * math.log2(end / start)))
             places += [start * (end / start) ** step for step in steps[:-1]]
+        elif start:
+            places += [start * 2.0**k for k in _OCTAVES[:_NEAR]]  # a wave has too many periods beyond
         else:
-            places += (
-                [start * 2.0**k for k in _OCTAVES]
-                if start
-                else [(end if end < math.inf else 1.0) / 2.0**k for k in _OCTAVES]
-            )
+            places += [min(end, 1.0) / 2.0**k for k in _OCTAVES]
         places.append(math.nextafter(end, 0.0) if end < math.inf else places[-1])
     return list(dict.fromkeys(float(x) for x in places))
 
@@ -250,18 +251,20 @@ class _Builder:
         self, series: Series, unit: int, side: int, edge: float, function: Expr | None
     ) -> tuple[float, Branch] | None:
         """Return from where, or up to where, a series holds as far as it goes, and the branch."""
+        tries = 0
         for half in range(8 * _STEPS):
             end = edge * 2.0 ** (side * half / 2)
             if end > self.highest * 2.0**_STEPS:
                 return None
-            kept = _kept(series, arb(end) ** (-side), unit)
+            kept = _kept(series, arb(end) ** (-side), unit, _CONDITION[side])
             if kept is None:
                 continue
             branch = _of_series(kept, unit, side, function)
             points = end * 2.0 ** (side * np.array(_OCTAVES))
             if self._agreed(branch, points) == points.size:
                 return end, branch
-            if side > 0:
+            tries += 1
+            if side > 0 and tries == _TRIES:
                 return None  # what is smaller than any power still counts, or a series that diverges
         return None
 
@@ -346,7 +349,7 @@ def _sum(power: Expr, variable: Expr, parts: Sequence[tuple[Expr | None, tuple[f
     return Sum(float(power), float(variable), tuple(parts))
 
 
-def _kept(series: Series, x: arb, unit: int) -> Powers | None:
+def _kept(series: Series, x: arb, unit: int, condition: float) -> Powers | None:
     """Return the terms of a series that count at x and below it; None where it is cut too early, or cancels."""
     logarithm = x.log()
     balls = {(e, n): c * x ** (arb(e) / unit) * logarithm**n for (e, n), c in series.terms.items()}
@@ -357,7 +360,7 @@ def _kept(series: Series, x: arb, unit: int) -> Powers | None:
     )
     shares = {key: float(ball / largest) for key, ball in balls.items()}
     total, size = sum(shares.values()), sum(map(abs, shares.values()))
-    if not size <= _CONDITION * abs(total):
+    if not size <= condition * abs(total):
         return {} if not series.terms and series.top == math.inf else None
     least = _NEGLIGIBLE * abs(total)
     late = series.top - (series.top - series.low) / 4 if series.top < math.inf else math.inf

@@ -16,11 +16,11 @@ from itertools import combinations, pairwise
 
 import numpy as np
 import sympy as sp
-from flint import acb, arb, arb_mat, arb_poly
+from flint import acb, arb, arb_mat, arb_poly, arb_series
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
-from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_value, rational
+from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_value, rational, series_function
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import arguments, without_squares
 from stickslip_sym.core.lambdify import function_of
@@ -44,9 +44,10 @@ _INTEGRATED = 2.0**-31  # of the same in the innermost panel, where the rule alo
 _EXACT = 2.0**-80  # of the largest coefficient: the last ones that are smaller are left out
 _NEGLIGIBLE = 2.0**-72  # of the moment of |g'|: a piece that need not be resolved
 _NOISE = 8  # times the radius of a ball around the slope: where the slope cancels no piece is resolved better
-_MOST_PIECES = 40  # in an octave: a value takes all of them, and a table takes thousands of values
+_MOST_PIECES = 80  # in an octave: a value takes all of them, and a table takes thousands of values
 _OVERSHOOT = 4  # times the largest slope at the nodes of a piece, which no slope between them may exceed
 _QUARTERS = 5  # halvings of a piece for balls that bound its slope
+_ORDER = 8  # of a power series that bounds it, where terms cancel
 _EXPANSION = 80  # terms of a weight that is no polynomial, which is expanded up to r
 _CLOSE = 5  # octaves from r to the innermost panel, at least
 _DEEP = 800  # bits of working precision in the innermost panel, which ends 40 octaves below 1 with x to the 16th
@@ -98,6 +99,8 @@ class Values:
         pieces = [branch_from(profile, point, place) for place in (*inner, outer)]
         self.first_piece, self.last_piece = pieces[0], pieces[-1]
         self._slopes = [ball_function(_centred(slope_of(piece)), symbols.v, point) for piece in pieces]
+        self._parts = pieces
+        self._series_of: dict[int, Callable[[arb_series], arb_series]] = {}
         self._jumps = [_reals(jump, point) for jump in jumps(profile, point)]
         mean_slope, shapes = MeanSlope(profile, criterion, list(point)), [float(value) for value in point.values()]
         self.mean_slope: Callable[[FloatArray], FloatArray] = lambda r: mean_slope(r, *shapes)
@@ -178,7 +181,16 @@ class Values:
         return weight, [moment / end for moment in moments]
 
     def _slope(self, x: arb) -> BallFunction:
-        return self._slopes[sum(1 for kink in self.kinks if bool(kink < x))]
+        return self._slopes[self._index(x)]
+
+    def _series(self, x: arb) -> Callable[[arb_series], arb_series]:
+        index = self._index(x)
+        if index not in self._series_of:
+            self._series_of[index] = series_function(_centred(slope_of(self._parts[index])), symbols.v, self.point)
+        return self._series_of[index]
+
+    def _index(self, x: arb) -> int:
+        return sum(1 for kink in self.kinks if bool(kink < x))
 
     # -- the slope as polynomials --------------------------------------------------------------------
 
@@ -255,10 +267,22 @@ class Values:
         """Say whether balls hold the slope between two speeds below a bound: nothing narrow is missed there."""
         middle, half = ((low + high) / 2).mid(), (high - low) / 2
         ball = slope(acb(arb(middle, half.abs_upper())), False).real
-        if ball.is_finite() and bool(abs(ball) <= most):
+        if ball.is_finite() and (bool(abs(ball) <= most) or self._bounded_by_series(middle, half, most)):
             return True
         parts = ((low, middle), (middle, high))
         return halvings > 0 and all(self._bounded(slope, *part, most, halvings - 1) for part in parts)
+
+    def _bounded_by_series(self, middle: arb, half: arb, most: arb) -> bool:
+        """Say the same by a power series, whose remainder counts less where terms of the slope cancel."""
+        with working_precision(BITS, _ORDER + 1):
+            around = arb(middle, half.abs_upper())
+            try:
+                slope = self._series(middle)
+                at, over = (slope(arb_series([x, 1], prec=_ORDER + 1)) for x in (middle, around))
+            except (InputError, ValueError, ZeroDivisionError, TypeError):  # a pole, or no series
+                return False
+            sizes = [abs(c) * half**k for k, c in enumerate([*(at[k] for k in range(_ORDER)), over[_ORDER]])]
+        return bool(sum(sizes, arb(0)) <= most)
 
     def _moment(self, samples: Samples) -> arb:
         """Return what |g'| contributes to an average over all that is larger."""

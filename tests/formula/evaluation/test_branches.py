@@ -1,0 +1,138 @@
+"""Every branch of every law at its ends, against 40 digits of the definition.
+
+A branch that was compared at a speed between its ends once was 8 % off at another.
+"""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import accuracy
+import mpmath
+import numpy as np
+import pytest
+from sweeps import sweep
+
+import stickslip_sym as ss
+from stickslip_sym.formula.evaluation.branches import Sum
+from stickslip_sym.formula.evaluation.term_function import TermFunction
+
+DIGITS = 40
+VANISHING = [
+    "v",
+    "1 - exp(-v)",
+    "tanh(v)",
+    "log(1 + v)",
+    "1 - 1/(1 + v)",
+    "v/(1 + v^2)",
+    "atan(v)",
+    "sqrt(1 + v) - 1",
+]
+"""Functions that vanish at rest, of which powers are taken."""
+FALLING = ["exp(-v)", "1/(1 + v)", "(1 + v)^(-0.7)", "1/(1 + v^3)", "exp(-v^1.37)", "1/(1 + v^1.4)",
+           "1/sqrt(1 + v + v^2)", "log(1 + v)/(1 + v)", "sech(v)", "exp(-v^2)", "1 - atan(v)"]  # fmt: skip
+FEATURES = ["exp(-((v - 1)/{w})^2)", "tanh((v - 1)/{w})", "Max(1 - v/{w}, 0)", "exp(-v/{w})", "tanh(v/{w})"]
+"""What varies within w, from 0.1 to 100."""
+
+
+def random_law(seed):
+    """Return a law of one term, or of two."""
+    rng = np.random.default_rng(seed)
+    factors = [str(rng.choice(FALLING))]
+    if rng.random() < 0.6:
+        factors.append(f"({rng.choice(VANISHING)})^{rng.choice(['0.4', '0.7', '1.5', '(1/3)', '2', '3'])}")
+    if rng.random() < 0.3:
+        factors.append(rng.choice(FEATURES).format(w=f"{10 ** rng.uniform(-1, 2):.3g}"))
+    text = "*".join(f"({factor})" for factor in factors)
+    return f"0.3*{text} + 0.1*{rng.choice(FALLING)}" if rng.random() < 0.3 else text
+
+
+def speeds(average):
+    """Return speeds at both sides of where branches meet, between them, and far beyond the first and the last."""
+    V, rng = [], np.random.default_rng(3)
+    values = [1.0, 1.0, *(float(average.law.values[name]) for name in list(average.arguments)[2:])]
+    for function in average.functions:
+        branches = function.branches(function.shape_values(values))
+        if branches is None:
+            continue  # a call asks balls
+        point = {average.law.parameters[name].symbol: average.law.values[name] for name in average.law.values}
+        scale = float(function.term.scale.xreplace(point))
+        ends = [branches.starts[1] * 2.0**-30 if len(branches.starts) > 1 else 2.0**-30, *branches.starts[1:]]
+        ends.append(max(ends[-1], 1.0) * 2.0**9)
+        V += [scale * end * (1 + side * 1e-9) for end in ends for side in (-1, 1)]
+        V += [scale * low * (high / low) ** rng.random() for low, high in pairwise(ends)]
+    return np.array(V)
+
+
+def errors(law, criterion):
+    """Return the largest error of a call at those speeds, in units of eps N <|mu'|>."""
+    average = ss.slope_average(law, criterion)
+    V = speeds(average)
+    if not V.size:
+        return 0.0
+    columns = {"V": V, "N": np.ones(V.size)}
+    columns |= {name: np.full(V.size, float(average.law.values[name])) for name in list(average.arguments)[2:]}
+    exact = accuracy.by_definition(average, columns, DIGITS)
+    return accuracy.units(average, columns, average(V=V, N=1.0), exact).max()
+
+
+CATALOGUE = [(name, criterion) for name in ss.laws for criterion in ss.criteria.catalogue]
+
+
+@sweep(
+    ("name", "criterion"),
+    CATALOGUE,
+    ("lorentzian", "least_squares"),
+    ("gaussian", "equilibrium"),
+    ("rational", "harmonic"),
+)
+def test_branches_of_the_catalogue_hold_at_their_ends(name, criterion):
+    assert errors(ss.laws[name].typical(), criterion) <= accuracy.MOST_UNITS
+
+
+@sweep("seed", range(100), 3, 14, 27, 41)
+def test_branches_of_random_laws_hold_at_their_ends(seed):
+    criterion = list(ss.criteria.catalogue)[seed % 3]
+    assert errors(random_law(seed), criterion) <= accuracy.MOST_UNITS, random_law(seed)
+
+
+CLOSE_TO_REST = [
+    ("(1 - exp(-v/0.1))^0.4", "least_squares"), ("0.2 + 0.3/(1 + (v/0.1)^3)", "least_squares"),
+    ("0.2 + 0.3/(1 + (v/0.1)^3)", "harmonic"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "criterion"), CLOSE_TO_REST)
+def test_what_vanishes_at_rest_has_all_its_digits_there(text, criterion):
+    """Relative to the value itself, down to V over the scale of 1e-20; exported code is the call."""
+    average = ss.slope_average(text, criterion)
+    V = 0.1 * 10.0 ** np.arange(-20, 1, 4)
+    with mpmath.workdps(DIGITS):
+        right = np.array(accuracy.by_definition(average, {"V": V, "N": np.ones(6)}, DIGITS))
+        assert max(abs(average(V=V, N=1.0) / right - 1)) <= accuracy.MOST_UNITS * accuracy.EPSILON
+        exec(average.code("python"), module := {})
+        assert max(abs(module["damping"](V, 1.0) / right - 1)) <= accuracy.MOST_UNITS * accuracy.EPSILON
+
+
+FAR_APART = [("tanh(v)*exp(-1e-15*v)", "harmonic", 1e7), ("log(1 + v + 1e-26*v^2)", "harmonic", 1e26),
+             ("log((1e-30 + v)/(1 + v))", "harmonic", 1e-32)]  # fmt: skip
+
+
+@sweep(("text", "criterion", "V"), FAR_APART, FAR_APART[0])
+def test_features_far_apart(text, criterion, V):
+    average = ss.slope_average(text, criterion)
+    right = float(ss.enclose(text, criterion, V=V, N=1, digits=20))
+    assert average(V=V, N=1.0) == pytest.approx(right, rel=1e-14)
+
+
+def test_a_branch_that_is_off_at_one_end_only_is_refuted(monkeypatch):
+    """The negative control: a term of the series at rest that no speed between its ends would show."""
+    average = ss.slope_average("0.3/(1 + v)")
+    right = average.functions[0].branches()
+    first = right.branches[0]
+    (function, coefficients), *rest = first.parts
+    off = Sum(first.power, first.variable, ((function, (*coefficients[:-1], 1e4 * coefficients[-1])), *rest))
+    assert "As written CHECKED" in average.code("c")
+    monkeypatch.setattr(
+        TermFunction, "branches", lambda *args: replace(right, branches=(off, *right.branches[1:]))
+    )
+    assert "As written REFUTED" in average.code("c")
