@@ -64,9 +64,8 @@ class SlopeAverage:
     def functions(self) -> list[TermFunction]:
         """The terms that vary with v, each by its branches: what is added up here, and written as code."""
         arguments = list(self.arguments.values())
-        return [
-            TermFunction(term, self.criterion, arguments) for term in self.terms if term.profile.has(symbols.v)
-        ]
+        varying = [term for term in self.terms if term.profile.has(symbols.v)]
+        return [TermFunction(term, self.criterion, arguments) for term in _joined(varying)]
 
     def _exactly(self, point: Mapping[Expr, Expr], digits: int) -> Mpf:
         """Return the value at exact arguments, by an enclosure of the definition."""
@@ -292,6 +291,24 @@ class SlopeAverage:
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}: {self.law.name or self.law.text}, {self.criterion.name}"
+
+
+def _joined(terms: Sequence[Term]) -> list[Term]:
+    """Write terms of one scale whose slopes cancel at rest, as of (1 + v) exp(-v), as one: it keeps its digits."""
+    joined: list[Term] = []
+    groups: dict[tuple[Expr, Expr], list[Term]] = {}
+    for term in terms:
+        amplitude = term.amplitude.as_coeff_Mul()[1]
+        groups.setdefault((term.scale, term if term.shapes else amplitude), []).append(term)
+    for (scale, _), group in groups.items():
+        unit = group[0].amplitude.as_coeff_Mul()[1]
+        profiles = [term.amplitude / unit * term.profile for term in group]
+        slopes = [sp.diff(profile, symbols.v).subs(symbols.v, 0) for profile in profiles]
+        if len(group) > 1 and sp.Add(*slopes) == 0 and all(slope.is_finite for slope in slopes):
+            joined.append(Term(unit, scale, sp.Add(*profiles)))
+        else:
+            joined += group
+    return joined
 
 
 def _array(name: str, value: ArrayLike) -> FloatArray:

@@ -97,7 +97,7 @@ def test_branches_of_random_laws_hold_at_their_ends(seed):
 
 CLOSE_TO_REST = [
     ("(1 - exp(-v/0.1))^0.4", "least_squares"), ("0.2 + 0.3/(1 + (v/0.1)^3)", "least_squares"),
-    ("0.2 + 0.3/(1 + (v/0.1)^3)", "harmonic"),
+    ("0.2 + 0.3/(1 + (v/0.1)^3)", "harmonic"), ("0.2 + 0.3*(1 + v/0.1)*exp(-v/0.1)", "least_squares"),
 ]  # fmt: skip
 
 
