@@ -178,8 +178,16 @@ class ClosedForm(SlopeAverage):
         return -N * slope.subs(v, V) if self.criterion.weight is None else self.expr, slope
 
     def _exactly(self, point: Mapping[Expr, Expr], digits: int) -> Mpf:
-        """Return the value at exact arguments, by the formula."""
-        return exact_value(*self._formula, point, digits)
+        """Return the value at exact arguments: by the formula, and where it has none, by the definition's balls.
+
+        Where parameters meet, as both speeds of 1/((1 + v/v_1) (1 + v/v_2)), a formula divides 0 by 0.
+        """
+        try:
+            return exact_value(*self._formula, point, digits)
+        except (InputError, TypeError):  # SymPy compares what is not a number
+            if point[V] == 0 or self.criterion.weight is None:
+                raise
+            return super()._exactly(point, digits)
 
     def evaluate(self, digits: int = 50, **values: Number) -> Mpf:
         """Return the damping coefficient in kg/s to any number of digits.

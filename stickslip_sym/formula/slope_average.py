@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from fractions import Fraction
 from functools import cached_property
 from operator import le
 from typing import Any, Literal
@@ -73,7 +74,10 @@ class SlopeAverage:
             slope = self.law.slope_expr
             return exact_value(-symbols.N * slope.subs(symbols.v, symbols.V), slope, point, digits)
         law = self.law.bind(**{name: point[s] for name, s in self.arguments.items() if name not in ("V", "N")})
-        middle = enclose(law, self.criterion, V=point[symbols.V], N=point[symbols.N], digits=digits).mid
+        enclosure = enclose(law, self.criterion, V=point[symbols.V], N=point[symbols.N], digits=digits)
+        middle = (
+            enclosure.mid if enclosure.low * enclosure.high > 0 else Fraction(0)
+        )  # which 400 digits leave open
         return to_mpf(sp.Rational(middle.numerator, middle.denominator))
 
     @cached_property

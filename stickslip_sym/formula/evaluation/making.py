@@ -282,7 +282,7 @@ class _Builder:
         octaves = np.arange(-4, np.log2(stop), 1 / _POINTS)
         r = 2.0 ** octaves[(octaves < _MODERATE) | (octaves % 0.5 == 0)][::-1]
         count = self._agreed(branch, r)
-        return (float(r[count - 1]), branch) if count else None
+        return (float(r[count - 1]), branch) if count >= _POINTS // 2 else None  # fewer may be luck
 
     def _agreed(self, branch: Sum, r: FloatArray) -> int:
         """Return at how many of some r, from the first on, a branch agrees with balls."""
@@ -313,6 +313,8 @@ class _Builder:
         self.panels += 1
         low, high = (left, right) if origin is None else (np.sqrt(left - origin), np.sqrt(right - origin))
         centre, half = (low + high) / 2, (high - low) / 2
+        if not low < centre < high:
+            return False
         y = [arb(centre) + t * arb(half) for t in chebyshev(_NODES).nodes]
         values = [self.values(x if origin is None else self.corners[origin] + x * x) for x in y]
         coefficients = chebyshev(_NODES).coefficients(values)

@@ -106,9 +106,12 @@ class TermFunction:
         """Refuse a belt speed for which the law is needed beyond a pole, or the end of a logarithm or a root."""
         if self.average.criterion.weight is None:
             return
-        reach = reach_of(self.average.profile, self.exact_shapes(self.shape_values(values)))
         bases = zip(self._base_functions, self.ratio, strict=True)
-        factor = math.prod([float(power_of(base(values), e)) for base, e in bases if e]) / self.size
+        try:
+            reach = reach_of(self.average.profile, self.exact_shapes(self.shape_values(values)))
+            factor = math.prod([float(power_of(base(values), e)) for base, e in bases if e]) / self.size
+        except ArithmeticError:
+            return  # a scale or a shape has no value, where the law itself may have one
         if values[0] * factor >= reach / 2 and reach < math.inf:
             raise InputError(
                 f"V = {values[0]:g} m/s needs mu up to v = {2 * values[0]:g} m/s, but the term "

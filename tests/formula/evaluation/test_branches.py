@@ -136,3 +136,21 @@ def test_a_branch_that_is_off_at_one_end_only_is_refuted(monkeypatch):
         TermFunction, "branches", lambda *args: replace(right, branches=(off, *right.branches[1:]))
     )
     assert "As written REFUTED" in average.code("c")
+
+
+REMOVABLE = [
+    ("(1 + v/v_0)^(-n)", {"v_0": 0.3, "n": 2.0}), ("1/((1 + v/v_1)*(1 + v/v_2))", {"v_1": 0.3, "v_2": 0.3}),
+    ("(1 + p*v)/(1 + q*v + r*v^2)", {"p": 0.1, "q": 0.5, "r": 0.0}),
+    ("Max(mu_k, mu_s - a*v)", {"mu_k": 0.3, "mu_s": 0.3, "a": 0.2}),
+    ("exp(-((v - v_0)/w)^2)", {"v_0": 0.0, "w": 0.3}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "values"), REMOVABLE)
+def test_where_parameters_meet_a_form_has_the_value_of_its_definition(text, values):
+    """Alone, to many digits, and beside an element that is nothing special."""
+    form = ss.derive(text)
+    right = float(ss.enclose(ss.FrictionLaw(text).bind(**values), V=0.5, N=1, digits=18))
+    beside = {name: [1.1 * value or 0.1, value] for name, value in values.items()}
+    got = form(V=0.5, N=1.0, **values), form.evaluate(20, V=0.5, N=1, **values), form(V=0.5, N=1.0, **beside)[1]
+    assert [float(value) for value in got] == pytest.approx([right] * 3, rel=1e-14)
