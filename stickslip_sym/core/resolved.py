@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -44,6 +45,9 @@ class Turn(NamedTuple):
     x: float
     value: float
     error: float
+
+
+_value = attrgetter("value")
 
 
 class Piece(NamedTuple):
@@ -102,6 +106,15 @@ class Resolved:
         return piece.at(min(max(x, piece.low), piece.high))
 
     @cached_property
+    def _turns(self) -> list[list[Turn]]:
+        return [piece.turns for piece in self.pieces]
+
+    @cached_property
+    def _largest(self) -> float:
+        values = [abs(turn.value) for turns in self._turns for turn in turns]
+        return max(filter(math.isfinite, values), default=0.0)
+
+    @cached_property
     def _lows(self) -> list[float]:
         return [piece.low for piece in self.pieces]
 
@@ -113,13 +126,12 @@ class Resolved:
         and so do kinks and both sides of jumps.
         """
         found, way = list[Turn](), 0
-        turns = [turn for piece in self.pieces for turn in piece.turns]
+        turns = [turn for turns in self._turns for turn in turns]
         if not turns:
             return ()
         least = most = turns[0]
         for turn in turns:
-            least = min(least, turn, key=lambda one: one.value)
-            most = max(most, turn, key=lambda one: one.value)
+            least, most = min(least, turn, key=_value), max(most, turn, key=_value)
             if way >= 0 and most.value - turn.value > most.error + turn.error:
                 found.append(most)
                 least, way = turn, -1
@@ -148,13 +160,11 @@ class Resolved:
         They are those that are not resolved, and pieces across the value whose errors are much larger than was
         asked for.
         """
-        ranges = [[turn.value for turn in piece.turns] for piece in self.pieces]
-        largest = max((abs(value) for values in ranges for value in values if math.isfinite(value)), default=0.0)
         coarse = [
             (piece.low, piece.high)
-            for piece, values in zip(self.pieces, ranges, strict=True)
-            if piece.error > _COARSE * self.rtol * largest
-            and min(values) - piece.error <= level <= max(values) + piece.error
+            for piece, turns in zip(self.pieces, self._turns, strict=True)
+            if piece.error > _COARSE * self.rtol * self._largest
+            and min(turns, key=_value).value - piece.error <= level <= max(turns, key=_value).value + piece.error
         ]
         return joined(sorted([*self.unresolved, *coarse]))
 

@@ -2,7 +2,9 @@
 
 As in `regime`, the slip from P returns exactly where c lies below the exact threshold. The damping d(A) that a
 slip orbit of amplitude A V needs gives every slip cycle as a root of d(A) = c, stable where d falls; d(0) is the
-equilibrium's threshold. The gap of the halves of an orbit is enough to decide: it has the sign of d(A) - c.
+equilibrium's threshold. Where many cells differ in c alone, d is resolved by polynomials, and no cycle is missed.
+Elsewhere the gap of the halves of an orbit decides, of the sign of d(A) - c, at amplitudes that are halved until
+it is twice as large as it bends between them. That rests on samples: cycles of a narrow wave of d may be missed.
 
 A law with mu(0+) = 0 holds no mass. Where the slip from P returns then, motions go out to one that overtakes the
 belt each round, since damping and friction bring those far out back in.
@@ -27,17 +29,19 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.compiled import compilable
 from stickslip_sym.motion.motion import Motion
+from stickslip_sym.motion.orbits.damping import needed_damping
 from stickslip_sym.motion.orbits.needed import SIGNS, Found, needed_all, sure_gap
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
 from stickslip_sym.motion.regimes.overtaking import reaches, rounds_outside
 from stickslip_sym.motion.regimes.regime import regime
-from stickslip_sym.motion.roots import orbit_signs
+from stickslip_sym.motion.roots import NEAREST, OrbitSigns, orbit_signs
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.steps import ADDED
 from stickslip_sym.motion.thresholds.averages import slope_mean
 
 LATE = "not reached: time limit, or Ctrl-C"
+_SHARED = 16  # cells that differ in c alone, from which resolving d takes no longer than their gaps
 CURVES = {
     "equilibrium": ("threshold of the equilibrium", ":", "black"),
     "least_squares": ("least-squares criterion", "--", "#0072B2"),
@@ -162,7 +166,7 @@ class _Decider:
         returns, rest = zeta < exact, zeta > equilibrium
         held, escapes, known = self._after_return(returns)
         known &= np.isfinite(exact + equilibrium)
-        cycle, stable, left_open = orbit_signs(self._gaps, zeta < equilibrium)
+        cycle, stable, left_open = self._cycles(zeta < equilibrium)
         known[[i for i, _, _ in left_open]] = False
         self._overtaking(known & ~near & (held | ~returns), stable, known)
         signs = Signs(rest=rest, falls=stable, returns=returns & ~escapes, held=held)
@@ -230,6 +234,21 @@ class _Decider:
             rounds = rounds_outside(replace(self.system, eta=self.eta[i], zeta=self.zeta[i]), _ROUGH)
             stable[i] |= -2 in np.diff(rounds.growth)
             known[i] = "open" not in [mark.kind for mark in rounds.marks]
+
+    def _cycles(self, grows_at_rest: BoolArray) -> OrbitSigns:
+        """Return which cells have limit cycles in pure slip."""
+        _, oscillator, count = np.unique(self.eta, return_inverse=True, return_counts=True)
+        alone = np.flatnonzero(count[oscillator] < _SHARED)
+        signs = orbit_signs(lambda row, A: self._gaps(alone[row], A), grows_at_rest[alone])
+        cycle, stable = np.zeros((2, self.zeta.size), dtype=bool)
+        cycle[alone], stable[alone] = signs.cycle, signs.stable
+        left_open = [(int(alone[row]), low, high) for row, low, high in signs.open]
+        for i in np.flatnonzero(count >= _SHARED).tolist():
+            rows = np.flatnonzero(oscillator == i)
+            need = needed_damping(self.law, self._oscillator(self.system.V, int(rows[0])))
+            cycle[rows], stable[rows], unsure = need.signs(2 * self.zeta[rows], grows_at_rest[rows])
+            left_open += [(row, NEAREST, 1.0) for row in rows[unsure].tolist()]
+        return OrbitSigns(cycle, stable, left_open)
 
     def _gaps(self, cell: IntArray, A: FloatArray) -> FloatArray:
         """Return gaps, cut at -1 and 1, by the numbers of cells; NaN where the sign is not known."""

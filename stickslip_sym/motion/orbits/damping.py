@@ -8,7 +8,7 @@ root of the distance: so every limit cycle at any damping, and every fold, is a 
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.resolved import Resolved, Turn, resolve
@@ -25,7 +25,15 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import FrictionTable
 from stickslip_sym.motion.compiled import is_ready
-from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, Found, halves, needed_all, needed_ratio, sure_gap
+from stickslip_sym.motion.orbits.needed import (
+    ROUNDING,
+    SIGNS,
+    Found,
+    highest_all,
+    needed_all,
+    needed_ratio,
+    sure_gap,
+)
 from stickslip_sym.motion.roots import NEAREST
 from stickslip_sym.motion.simulation.cycle import first_minimum
 from stickslip_sym.motion.slip import Dimensionless
@@ -33,7 +41,7 @@ from stickslip_sym.motion.steps import TIGHT
 
 _RTOL = 1e-9  # of d, that its polynomials may leave out
 _MOST = 2000  # orbits, to resolve it
-_FEW = 40  # orbits, up to which plain Python is as fast as loading compiled code
+_FEW = 20  # orbits, up to which plain Python is as fast as loading compiled code
 _NEUTRAL = 3e-12  # gap below which an orbit is periodic within the errors of the steps
 _BESIDE = 1e-6  # relative, of the amplitude of a cycle by polynomials, within which it lies
 _CLEAR = 10.0  # errors from a damping at which the sign of a polynomial is that of the gap
@@ -138,8 +146,7 @@ class NeededDamping:
         """
         found = np.full((A.size, 5), float(Found.LATE))
         orbits = np.full(A.size, self.system.eta), np.zeros(A.size), A
-        self.system.spread(needed_all, orbits, (SIGNS,), found, few=0 if is_ready(needed_all) else _FEW)
-        check_time()
+        self._spread(needed_all, orbits, SIGNS, found)
         end, zeta, error, low, high = found.T
         bounded = end == Found.BEYOND
         cases = [end == Found.ROOT, bounded, end == Found.NONE]
@@ -160,9 +167,16 @@ class NeededDamping:
         (damping,), _ = self._values(np.array([A]))
         if not math.isfinite(damping):
             return math.inf
-        none = tuple(system.no_wedge)
-        (way, *_), _, highest = halves(system.rise, system.eta, damping / 2, 0.0, A, TIGHT, False, 0.0, none)
-        return float(highest) if way >= 0 else math.inf
+        found, column = np.empty((1, 1)), np.ones(1)
+        self._spread(highest_all, (system.eta * column, damping / 2 * column, A * column), TIGHT, found)
+        return float(found[0, 0])
+
+    def _spread(
+        self, loop: Callable[..., None], columns: tuple[FloatArray, ...], rtol: float, found: FloatArray
+    ) -> None:
+        """Carry out a loop over orbits: compiled where its machine code is loaded, or worth that."""
+        self.system.spread(loop, columns, (rtol,), found, few=0 if is_ready(needed_all) else _FEW)
+        check_time()
 
     # -- what is read from them --------------------------------------------------------------------
 
@@ -170,6 +184,21 @@ class NeededDamping:
     def turns(self) -> tuple[Turn, ...]:
         """The extrema of d over the amplitude, the ends of its range with them."""
         return tuple(turn._replace(x=float(self.amplitudes(turn.x))) for turn in self.resolved.turns)
+
+    def signs(self, dampings: FloatArray, grows_at_rest: BoolArray) -> tuple[BoolArray, BoolArray, BoolArray]:
+        """Return at which dampings over sqrt(k m) there is a cycle, at which a stable one, and where that is open.
+
+        - `grows_at_rest`: whether small motions about rest grow at each: a cycle may be smaller than all others.
+        """
+        turns = self.turns
+        if not turns or self.least > NEAREST or any(turn.x > self.measured for turn in turns):
+            return np.zeros_like(grows_at_rest), np.zeros_like(grows_at_rest), np.ones_like(grows_at_rest)
+        _, values, errors = np.array(turns)[:, :, None].transpose(1, 0, 2)
+        above = np.vstack([grows_at_rest, values > dampings])
+        falls = above[:-1] & ~above[1:]
+        unknown = [bool(self.resolved.open_at(damping)) for damping in dampings.tolist()]
+        near = np.abs(values - dampings) <= _CLEAR * (errors + ROUNDING * np.abs(dampings))
+        return (above[:-1] != above[1:]).any(axis=0), falls.any(axis=0), near.any(axis=0) | unknown
 
     def cycles(self, damping: float) -> Iterator[tuple[float, bool]]:
         """Yield every amplitude at which d is a damping, ascending, and whether d falls there: a stable cycle.
