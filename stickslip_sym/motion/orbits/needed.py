@@ -241,7 +241,7 @@ def needed_all(rise: Any, eta: Any, push: Any, A: Any, tight: float, wedge: Any,
 
 @compilable
 def highest_all(rise: Any, eta: Any, zeta: Any, A: Any, rtol: float, wedge: Any, found: Any) -> None:
-    """Find the highest slip speeds over V of many orbits: infinite where one leaves the table or is not followed."""
+    """Find the highest slip speeds over V of many orbits: infinite where one leaves the table or is lost."""
     for i in range(len(A)):
         (way, _, _, _), _, highest = halves(rise, eta[i], zeta[i], 0.0, A[i], rtol, False, 0.0, wedge[2])
         found[i, 0] = highest if way >= 0 else math.inf
