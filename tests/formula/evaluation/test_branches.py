@@ -89,7 +89,7 @@ def test_branches_of_the_catalogue_hold_at_their_ends(name, criterion):
     assert errors(ss.laws[name].typical(), criterion) <= accuracy.MOST_UNITS
 
 
-@sweep("seed", range(100), 3, 14, 27, 41)
+@sweep("seed", range(100), 3, 41)
 def test_branches_of_random_laws_hold_at_their_ends(seed):
     criterion = list(ss.criteria.catalogue)[seed % 3]
     assert errors(random_law(seed), criterion) <= accuracy.MOST_UNITS, random_law(seed)
@@ -101,7 +101,7 @@ CLOSE_TO_REST = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("text", "criterion"), CLOSE_TO_REST)
+@sweep(("text", "criterion"), CLOSE_TO_REST, 0, 3)
 def test_what_vanishes_at_rest_has_all_its_digits_there(text, criterion):
     """Relative to the value itself, down to V over the scale of 1e-20; exported code is the call."""
     average = ss.slope_average(text, criterion)
