@@ -17,7 +17,19 @@ from stickslip_sym.core.numbers import suggestion
 from stickslip_sym.core.version import __version__
 
 BAD_INPUT, NO_RESULT, INTERRUPTED = 2, 1, 130
-COMMANDS = ("laws", "derive", "fit", "damping", "critical", "simulate", "map", "study", "tradeoff", "export")
+COMMANDS = (
+    "laws",
+    "derive",
+    "read",
+    "fit",
+    "damping",
+    "critical",
+    "simulate",
+    "map",
+    "study",
+    "tradeoff",
+    "export",
+)
 
 
 class Program(click.Group):

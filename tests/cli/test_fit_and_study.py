@@ -36,9 +36,27 @@ def test_a_fit_is_printed_drawn_and_fixed(tmp_path, run):
     line = ["fit", "disc.csv", *laws, "-p", "delta=1", "--plot", "fit.svg"]
     code, out, err = run(*line)
     assert (code, err) == (0, "")
-    assert out.startswith("60 rows, v in m/s, mu from column 2\n\nlaw ")
+    assert out.startswith(
+        "60 rows, v in m/s, mu from column 2\ncolumns parted by commas, decimal point\ndisc.csv, "
+    )
     assert "delta =" not in out
     assert (tmp_path / "fit.svg").is_file()
+
+
+def test_what_a_file_is_read_as_is_shown_and_written_in_clean_columns(tmp_path, run):
+    (tmp_path / "raw.txt").write_text("t\tspeed [mm/s]\tµ\tstd\n1\t200\t0,3\t0,01\n2\t-100\t-0,4\t0,02\n")
+    code, out, err = run("read", "raw.txt", "--csv", "clean.csv", "--plot", "raw.svg")
+    assert (code, err) == (0, "")
+    assert out.startswith("2 rows, v in mm/s, mu from column 3, sigma from column 4, both signs of speed folded, ")
+    assert "columns parted by tabs, decimal comma\nraw.txt, " in out
+    assert [line.split() for line in out.splitlines()[-2:]] == [["0.1", "0.4", "0.02"], ["0.2", "0.3", "0.01"]]
+    clean, raw = ss.read_measurements("clean.csv"), ss.read_measurements("raw.txt")
+    for name, column in raw.columns.items():
+        np.testing.assert_array_equal(clean.columns[name], column)
+    assert read_json(run("read", "clean.csv", "--json")[1])["columns"]["v"] == [0.1, 0.2]
+    html = raw._repr_html_()
+    assert all(words in html for words in ("decimal comma", "<td class", "0.02", "<img"))
+    assert (tmp_path / "raw.svg").stat().st_size > 3000
 
 
 def test_from_a_file_to_a_page(tmp_path, run):

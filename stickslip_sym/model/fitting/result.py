@@ -445,7 +445,7 @@ class Fits(_Report, Sequence[Fit]):
             above = f"{fit.aicc - self.best.aicc:.1f}" if math.isfinite(fit.aicc) else "-"
             rows.append([fit.name, above, f"{fit.weight:.3f}", f"{fit.sigma:.3g}", fit.values_in_words])
         parts: list[str | Rows] = [
-            str(self.measured),
+            *self.measured.parts(),
             (["law", "AICc above", "weight", "sigma", "values"], rows),
         ]
         likely = [fit for fit in self.fits if fit.weight >= _RATHER * self.best.weight]

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from fractions import Fraction
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +15,13 @@ from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import Number, fraction, read_array, real, require_type
 from stickslip_sym.model.measured.table import Table, read_table
+from stickslip_sym.output import markup
+from stickslip_sym.output.drawing import Drawn, finish, picture
+from stickslip_sym.output.tables import table
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
 
 _FEW = 0.05  # share of rows with the other sign, up to which they are noise of a small force
 _LARGEST_MU = 5.0  # no dry or lubricated contact comes near it
@@ -25,12 +33,13 @@ _BESIDE = 3  # rows on either side that an outlier is held against; one of them 
 _RISES = 4.0  # times what friction changes between rows beside an outlier, which a smooth curve may exceed too
 _ROBUST = 1.4826 / 1.5**0.5  # standard deviation over the median of |mu_i - (mu_i-1 + mu_i+1)/2|
 _RESOLUTION = 0.01  # of mu: smaller steps are no outliers, however even the other rows are
+_SHOWN = 5  # rows of a preview
 _SMOOTH = "mu is more than 6 robust standard deviations off a smooth curve; keep such rows by keep_outliers=True"
 _OTHERS = {"sigma_mu": "sigma", "sigma_F_t": "sigma of F_t", "n": "n"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Measurements:
+class Measurements(Drawn):
     """Measured friction: rows of a slip speed, a coefficient and, where known, its standard deviation.
 
     Attributes
@@ -51,9 +60,11 @@ class Measurements:
         How many values each coefficient is the mean of, where the file says so.
     source : str
         The file and its date.
+    written : str
+        How the file is written: what parts its columns, and its decimal sign.
     """
 
-    reported = ("understood", "source")
+    reported = ("understood", "written", "source")
 
     v: FloatArray
     mu: FloatArray
@@ -63,6 +74,7 @@ class Measurements:
     order: IntArray | None = None
     counts: FloatArray | None = None
     source: str = ""
+    written: str = ""
 
     @classmethod
     def of(cls, v: ArrayLike, mu: ArrayLike, sigma: ArrayLike | None = None) -> "Measurements":
@@ -102,6 +114,35 @@ class Measurements:
 
     def __repr__(self) -> str:
         return f"Measurements: {self.understood or f'{len(self)} rows'}"
+
+    @property
+    def columns(self) -> dict[str, FloatArray]:
+        """The rows in ascending speed as columns of SI units: v, mu, and sigma where it is known."""
+        rows = {"v": self.v, "mu": self.mu}
+        return rows if self.sigma is None else rows | {"sigma": self.sigma}
+
+    def preview(self) -> str:
+        """Return what was read, before anything is computed: columns and units, what was assumed, first rows."""
+        said, rows = self.parts()
+        return f"{said}\n\n{table(*rows)}"
+
+    def parts(self) -> tuple[str, tuple[list[str], list[list[str]]]]:
+        """Return what was read in lines, and the first rows as a table: its header and its cells."""
+        rows = [[f"{value:.6g}" for value in row] for row in zip(*self.columns.values(), strict=True)]
+        left = [["...", *[""] * (len(self.columns) - 1)]] if len(rows) > _SHOWN else []
+        said = "\n".join(filter(None, [self.understood, self.written, self.source]))
+        return said, (["v in m/s", "mu", "sigma"][: len(self.columns)], rows[:_SHOWN] + left)
+
+    def _repr_html_(self) -> str:
+        said, rows = self.parts()
+        text = markup.block(*said.split("\n"), markup.table(*rows))
+        return markup.block(markup.Markup(text), picture(self.plot, "measured friction"))
+
+    def draw(self, ax: "Axes") -> "Sequence[Artist]":
+        """Draw mu of the slip speed in a panel, and return the handles of its legend."""
+        shown = ax.errorbar(self.v, self.mu, self.sigma, fmt=".", color="0.35", markersize=3.5, label="measured")
+        finish(ax, xlabel="slip speed $v$ (m/s)", ylabel=r"coefficient of friction $\mu$")
+        return [shown]  # type: ignore[list-item]  # a container of artists
 
     @property
     def speeds(self) -> FloatArray:
@@ -252,7 +293,7 @@ def read_measurements(
     source = f"{path.name}, {datetime.fromtimestamp(path.stat().st_mtime, UTC):%Y-%m-%d}"
     rows = f"{len(order)} row{'s' * (len(order) != 1)}"
     understood = ", ".join([rows, *_columns_in_words(table), *notes])
-    read = Measurements(v[order], mu[order], sigma, understood, path.stem, order, counts, source)
+    read = Measurements(v[order], mu[order], sigma, understood, path.stem, order, counts, source, table.written)
     return read if bins is None else read.binned(bins)
 
 

@@ -20,6 +20,7 @@ from stickslip_sym.model.measured.columns import EXPECTED, Column, choose_column
 
 SEPARATORS = "\t;|, "
 """What separates columns, by preference: a comma may also be a decimal sign, and blanks may stand in a name."""
+_PARTED = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks"}
 MOST_ROWS = 1_000_000  # of a file; a longer one is refused before its numbers are read
 _PRECISION = 40  # digits in which units are converted, beyond those of a double
 _LONGEST = 10_000  # characters of a line
@@ -50,6 +51,7 @@ class Table:
     columns: dict[str, Column]
     unread: list[str]
     leave_out: bool
+    written: str = ""  # how, in words
     lines: list[int] = field(default_factory=list)
     cells: dict[str, list[str]] = field(default_factory=dict)
     faults: dict[str, list[int]] = field(default_factory=dict)
@@ -273,10 +275,12 @@ def _layout(lines: Sequence[_Line], name: str) -> tuple[str, list[str], str, lis
 def _fill(table: Table, rows: Sequence[_Row], header: list[str], separator: str) -> None:
     """Take the cells that are read of all rows, each of which has as many columns as the header."""
     count = len(header)
+    table.written = f"columns parted by {_PARTED[separator]}"
     read = {column.number - 1: quantity for quantity, column in table.columns.items()}
     if separator == ",":  # a comma in a cell is one in quotes
         rows = _without_thousands(rows, read)
     sign = _decimal_sign([row[i] for _, row in rows for i in read if i < len(row)], table.name)
+    table.written += f", decimal {'comma' if sign == ',' else 'point'}"
     looked_at = [row for _, row in rows[:_LOOKED_AT] if len(row) >= count]
     numeric = [  # a word in another column of numbers, like Mean, says that a row is none of measurements
         i for i in range(count)
