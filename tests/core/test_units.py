@@ -13,7 +13,7 @@ from stickslip_sym.core.uncertain import split
 
 UNITS = {
     "V": {"mm/s": "0.001", "m/s": "1", "km/h": "5/18", "mm s^-1": "0.001", "m·s⁻¹": "1", "um/s": "1e-6"},
-    "N": {"kN": "1000", "N": "1", "mN": "0.001", "kg m/s^2": "1"},
+    "N": {"kN": "1000", "N": "1", "mN": "0.001", "kg m/s^2": "1", "kg mm/s/s": "0.001"},
     "m": {"g": "0.001", "kg": "1", "t": "1000"},
     "k": {"N/mm": "1000", "kN/m": "1000", "N/m": "1", "kg/s^2": "1", "N mm⁻¹": "1000"},
     "c": {"kg/s": "1", "N s/m": "1", "N*s/mm": "1000", "g/s": "0.001"},
@@ -34,6 +34,11 @@ def test_a_number_with_a_unit_is_the_number_in_si_units(case, digits, places, bl
         assert read.std_dev == pytest.approx(float(error * Fraction(size)), rel=1e-14)
 
 
+@pytest.mark.parametrize(("name", "unit", "size"), CASES)
+def test_every_way_to_write_a_unit_is_read(name, unit, size):
+    assert fraction(f"2 {unit}", name) == 2 * Fraction(size)
+
+
 @pytest.mark.parametrize("name", UNITS)
 def test_a_unit_of_the_wrong_kind_is_refused_with_the_right_one(name):
     right = {"V": "m/s", "N": "N", "m": "kg", "k": "N/m", "c": "kg/s"}[name]
@@ -41,6 +46,8 @@ def test_a_unit_of_the_wrong_kind_is_refused_with_the_right_one(name):
         for unit in units if kind != name else ():
             with pytest.raises(ss.InputError, match=f"has the unit .*, and {name} is in {right}; write"):
                 fraction(f"2 {unit}", name)
+    with pytest.raises(ss.InputError, match=r"has the unit .*, and"):
+        fraction({"N": "2 m/s^2", "c": "2 1/s", "k": "2 s^-2"}.get(name, "2 1/s^2"), name)
     for text in ("2 furlong/s", "2 kg s", "x mm/s", "2e m"):
         with pytest.raises(ss.InputError, match=r"is not a number|has the unit"):
             fraction(text, name)
