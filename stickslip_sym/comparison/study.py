@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, Literal, TypeAlias, TypeVar
 
 import numpy as np
 import sympy as sp
@@ -33,9 +33,10 @@ from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.margins.margins import Margin, Margins, carried_by, margins
 from stickslip_sym.motion.orbits.orbit import obstacle
+from stickslip_sym.motion.regimes.attractors import ATTRACTORS
 from stickslip_sym.motion.regimes.regime import Regime, regime
 from stickslip_sym.motion.simulation.simulate import simulate
-from stickslip_sym.motion.simulation.trajectory import Trajectory
+from stickslip_sym.motion.simulation.trajectory import Phase, Trajectory
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.motion.thresholds.uncertainty import Budget
 from stickslip_sym.output import printing
@@ -58,10 +59,7 @@ _REACH = 3.0
 """Times a value, and its inverse: where margins are sought; no decision turns on those beyond."""
 _LEAST = 0.001
 """A probability below it is shown as no more than that."""
-_OF_THRESHOLD = {
-    "sensitivity": "derivatives of the threshold",
-    "nonlinearity": "second order of its standard error",
-}
+_DERIVATIVES = "derivatives of the threshold"
 _TEMPLATE = Path(__file__).with_name("study.html")
 _WIDEST = 260  # characters of a formula as text, up to which it fits a sheet when it is set
 _LONGEST = 1500  # characters that are shown at all
@@ -77,7 +75,10 @@ _POINTS = 33  # of a curve over belt speed
 _REACHED = 2.0  # times the belt speed
 _DRAWN = 1e-4  # relative error of that curve, below the width of a line
 _MANY = 2000  # points of the motion over time
-_HEIGHT = 1.35  # of the plane, over the highest of thresholds at the operating point and its damping
+_HEIGHT, _BELOW = 1.35, 0.06  # of the plane, over the highest damping on it, and below 0 and the lowest
+_GROWN = 10.0  # belt speeds up to which a motion is shown in the phase plane
+_ABOVE: Look = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": 2, "fontsize": 7.5}
+"""Of a legend above its picture."""
 _AVERAGES = {"equilibrium": (ORANGE, "--"), "least_squares": ("black", ":"), "harmonic": ("0.35", "-.")}
 Part = TypeVar("Part")
 
@@ -172,7 +173,7 @@ class Study:
 
     @property
     def probability(self) -> float | None:
-        """The probability that stick-slip is possible, c below the threshold; averaged if several laws fit."""
+        """The probability that c is below the threshold; averaged if several laws fit."""
         if self.choice is not None:
             return self.choice.above(self.oscillator.c, self.standard_error("c") or 0.0)
         if self.margins is None:
@@ -183,17 +184,40 @@ class Study:
         return sampled.probability
 
     @property
+    def _decision(self) -> str:
+        """What the motions come to: without bound first, then stick-slip."""
+        found = self.regime
+        if found is None:
+            return "Whether there is stick-slip was not found"
+        if found.unbounded:
+            kinds = [kind.region.name for kind in ATTRACTORS if kind.of(found)]
+            others = f", and others come to {' or '.join(kinds)}" if kinds else ""
+            return f"{'Motions far out grow' if kinds else 'Every motion grows'} without bound{others}"
+        if found.stick_slip and found.coexist:
+            return "Stick-slip is possible, depending on the initial condition"
+        if found.stick_slip and not found.undecided:
+            return "There is stick-slip from every initial condition"
+        if found.undecided:
+            return "Whether there is stick-slip is not decided"
+        if any(cycle.stable for cycle in found.overtaking):
+            return "There is no stick-slip, but slip that overtakes the belt"
+        return "There is no stick-slip"
+
+    @property
+    def state(self) -> Literal["sticks", "either", "rests"]:
+        """How the decision is coloured; vibration beyond the belt's speed counts as stick-slip."""
+        found = self.regime
+        if found is None or found.coexist or found.undecided:
+            return "either"
+        if found.stick_slip or found.unbounded or any(cycle.stable for cycle in found.overtaking):
+            return "sticks"
+        return "rests"
+
+    @property
     def headline(self) -> str:
         """The decision: whether there is stick-slip, and how far the damping is from the threshold."""
-        found, chance = self.regime, self.probability
-        c, own = self.oscillator.c, self.standard_error("c") or 0.0
-        words = (
-            "Whether there is stick-slip was not found" if found is None
-            else "Stick-slip is possible, depending on the initial condition" if found.stick_slip and found.coexist
-            else "There is stick-slip from every initial condition" if found.stick_slip
-            else "Whether there is stick-slip is not decided" if found.undecided
-            else "There is no stick-slip"
-        )  # fmt: skip
+        c, own, chance = self.oscillator.c, self.standard_error("c") or 0.0, self.probability
+        words = self._decision
         if self.needed is None:
             return f"{words}, and no threshold was found to compare c with."
         (value, error), far, remarks = self.needed, "", list[str]()
@@ -207,7 +231,7 @@ class Study:
         if chance is not None:
             sure = f"< {_LEAST:g}" if chance < _LEAST else f"> {1 - _LEAST:g}"
             shown = sure if min(chance, 1 - chance) < _LEAST else f"= {chance:.2g}"
-            remarks.append(f"P {shown} that stick-slip is possible")
+            remarks.append(f"P {shown} that c is below it")
         side = "below" if c < value else "above"
         averaged = f", averaged over {len(self.choice.rows)} laws" if self.choice is not None else ""
         more = f" ({', '.join(remarks)})" if remarks else ""
@@ -222,9 +246,11 @@ class Study:
         motions = [str(attractor) for attractor in self.regime.attractors]
         undecided = "".join(f" Undecided: {text}." for text in self.regime.undecided)
         if len(motions) > 1:
-            return f"The initial condition decides whether a motion comes to {' or to '.join(motions)}.{undecided}"
-        far = ", but those far out grow without bound" if self.regime.unbounded else ""
-        return f"Motions come to {(motions or ['no attractor'])[0]}{far}.{undecided}"
+            some = f"The initial condition decides whether a motion comes to {' or to '.join(motions)}"
+        else:
+            some = f"Motions come to {motions[0]}" if motions else "There is no attractor"
+        far = "far out grow" if motions else "all grow"
+        return f"{some}{f'; motions {far} without bound' if self.regime.unbounded else ''}.{undecided}"
 
     @property
     def findings(self) -> list[str]:
@@ -254,6 +280,23 @@ class Study:
         carried = self.law.uncertain.get(name) or self.errors.get(name)
         return None if carried is None else carried.std_dev
 
+    @property
+    def _remarks(self) -> dict[str, str]:
+        """What the caption of a figure says of what is not in every one of them."""
+        found, regions, motion = dict[str, str](), self.plane, self.motion
+        if regions is not None and np.nanmax(np.abs(regions["exact"] - regions["equilibrium"]), initial=0.0) > 0:
+            found["plane"] = (
+                "Hatched: between the threshold and the stability of the equilibrium (dashed) the initial "
+                "condition decides, or a limit cycle in pure slip attracts."
+            )
+        if motion is not None and Phase.STICK in motion.phase:
+            found["time"] = "Thick lines are stick."
+        if self.regime is not None and (self.regime.separatrices or not all(c.stable for c in self.regime.cycles)):
+            found["phase"] = (
+                "A separatrix, or an unstable cycle, parts the initial conditions of different motions."
+            )
+        return found
+
     @cached_property
     def page(self) -> str:
         """The page: HTML that is XML too, needs no script, and refers to nothing elsewhere.
@@ -274,7 +317,9 @@ class Study:
             duration=duration,
             reach=_REACH,
             least=_LEAST,
+            derivatives=_DERIVATIVES,
             figures=list(pictures(self)),
+            remarks=self._remarks,
             formula=_formula,
             c=symbols.c,
             mu=sp.Function("mu")(symbols.v),
@@ -436,8 +481,10 @@ def study(
                 ),
             ),
         }
-        for field, what in _OF_THRESHOLD.items():
-            parts[field] = None if threshold is None else part(what, partial(getattr, threshold, field))
+        parts |= {"sensitivity": None, "nonlinearity": None}
+        if threshold is not None:
+            parts["sensitivity"] = part(_DERIVATIVES, lambda: threshold.sensitivity)
+            parts["nonlinearity"] = part("second order of its standard error", lambda: threshold.nonlinearity)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", InputWarning)  # of laws that are not studied
         choice = part("choice of law", lambda: law.average(estimate)) if isinstance(law, Fits) else None
@@ -545,11 +592,12 @@ def _plane(ax: Any, study: Study, found: Plane) -> None:
         [osc.V], [osc.c], [spread["c"]], [spread["V"]], fmt="o", color="black", markersize=6,
         markerfacecolor="white", markeredgewidth=1.5, zorder=5, label="operating point",
     )  # fmt: skip
-    ax.legend(loc="upper right", fontsize=7.5)
+    ax.legend(**_ABOVE)  # not beside the operating point, whose marker looks like a second one there
     finish(ax, xlabel="belt speed $V$ (m/s)", ylabel="damping $c$ (kg/s)", xlim=(0, V[-1]))
     near = np.concatenate([exact, rest])[np.tile(V >= osc.V / 3, 2)]
     highest = max(near[np.isfinite(near)].max(initial=0.0), osc.c, 1e-9)
-    ax.set_ylim(min(0.0, 1.2 * osc.c), _HEIGHT * highest)
+    lowest = min(0.0, osc.c - spread["c"])
+    ax.set_ylim(lowest - _BELOW * (highest - lowest), _HEIGHT * highest)
 
 
 def _time(ax: Any, study: Study, motion: Trajectory) -> None:
@@ -566,7 +614,9 @@ def _phase_plane(ax: Any, study: Study, found: Regime) -> None:
     handles = found.draw(ax)
     if study.motion is not None:
         state = study.motion.at(np.linspace(0, study.motion.stretches[-1].end, _MANY))
-        handles += ax.plot(state.x, state.v, color="0.7", linewidth=0.7, zorder=0, label="motion over time")
+        reach = max([_GROWN * study.oscillator.V, *(1.2 * cycle.amplitude for cycle in found.cycles)])
+        shown = np.logical_and.accumulate(np.abs(state.v) <= reach)
+        line = {"color": "0.7", "linewidth": 0.7, "zorder": 0, "label": "motion over time"}
+        handles += ax.plot(state.x[shown], state.v[shown], **line)
     finish(ax)
-    place: Look = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": 2, "fontsize": 7.5}
-    ax.legend(handles=handles, **place)
+    ax.legend(handles=handles, **_ABOVE)

@@ -102,7 +102,7 @@ def test_the_page_has_the_numbers_of_functions(seed, monkeypatch):
     error = "".join(list(threshold.iter("data"))[1].itertext())
     assert len(error.replace(".", "").lstrip("0")) == 2  # both to two digits of the error
     below = studied(seed).oscillator.c < studied(seed).threshold.value
-    assert ("c is below it" in page) == below
+    assert ("As things are c is below it" in page) == below
 
 
 def test_swapped_values_are_noticed(monkeypatch):
@@ -218,7 +218,7 @@ def test_choice_of_law_and_extrapolation_are_said(monkeypatch):
 @pytest.mark.parametrize(
     ("c", "headline"),
     [
-        (1.0, "There is stick-slip from every initial condition: c = 1 kg/s is 32 % below the threshold of"),
+        (1.0, "Motions far out grow without bound, and others come to stick-slip: c = 1 kg/s is 32 % below"),
         (4.0, "There is no stick-slip: c = 4 kg/s is 172 % above the threshold of 1.472 kg/s."),
     ],
 )
@@ -228,7 +228,40 @@ def test_the_headline_is_a_decision(c, headline):
     assert "m = 1 kg (default)" in str(study)
     assert ", N = 9.81 N, m = 1 kg (default), k = 100 N/m. Motions come to " in repr(study)
     sure = ss.study(ss.laws.linear.typical(), study.oscillator, errors={"N": "9.81(1)"}).headline
-    assert f"P {'> 0.999' if c < 1.4715 else '< 0.001'} that stick-slip is possible" in sure
+    assert f"P {'> 0.999' if c < 1.4715 else '< 0.001'} that c is below it" in sure
+
+
+DECISIONS = [
+    ("exponential", {"c": -5}, "sticks", "Every motion grows without bound: c = -5 kg/s is"),
+    ("exponential", {"c": -0.5}, "sticks", "Motions far out grow without bound, and others come to stick-slip: c"),
+    ("exponential", {"c": 0, "N": 0.05}, "sticks", "There is no stick-slip, but slip that overtakes the belt: c"),
+    ("popp_stelter", {"c": -1, "V": 0.1, "N": 2}, "either", "Stick-slip is possible, depending on the initial "),
+    ("exponential", {"c": 1}, "sticks", "There is stick-slip from every initial condition: c = "),
+    ("exponential", {"c": 2.3}, "either", "Stick-slip is possible, depending on the initial condition: c = "),
+    ("exponential", {"c": 3}, "rests", "There is no stick-slip: c = 3 kg/s is 17 % above"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "changes", "state", "headline"), DECISIONS)
+def test_a_page_says_one_thing(name, changes, state, headline, monkeypatch):
+    """What the attractors of a regime are is what the headline, its colour, verdict, notes and captions say."""
+    law, osc = ss.laws.catalogue[name].typical(), replace(OSC, **changes)
+    found = ss.regime(law, osc)
+    limits = ss.margins(law, osc, reach=1.01, samples=0)
+    threshold = ss.pure_slip_damping(law, V=osc.V, N=osc.N, m=osc.m, k=osc.k, method="orbit")
+    whole = {"oscillator": osc, "regime": found, "margins": limits, "threshold": threshold, "errors": {}}
+    study = replace(studied(0), law=law, sensitivity=None, nonlinearity=None, **whole)
+    assert study.headline.startswith(headline)
+    root = check_well_formed(drawn_without(study, monkeypatch))
+    by_id = {node.get("id"): node for node in root.iter() if node.get("id")}
+    assert by_id["headline"].get("class") == f"state {state}"
+    text = " ".join("".join(root.itertext()).split())
+    sticks = found.stick_slip is not None
+    assert ("so stick–slip is possible" in text) == sticks
+    assert ("There is no stick-slip" in text) == (not sticks and not found.unbounded)
+    assert ("without bound" in study.verdict) == ("without bound" in study.headline) == found.unbounded
+    captions = study._remarks
+    assert ("phase" in captions) == bool(found.separatrices or not all(cycle.stable for cycle in found.cycles))
 
 
 @pytest.mark.parametrize(
