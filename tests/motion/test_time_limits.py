@@ -5,6 +5,7 @@ import re
 import signal
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -96,7 +97,9 @@ def test_control_c_ends_a_long_map_at_once():
     """It goes to the workers too, as from a terminal."""
     ss.motion_map(ss.laws.tanh.typical(), x=("V", [0.3]), y=("N", [9.81]), c=1, m=1, k=100)  # is compiled then
     with started("map", "tanh", "--x", "V=0.1:1:300", "--y", "N=1:50:999", "-c", "1", "--workers", "2") as process:
-        time.sleep(4)
+        threads, late = Path(f"/proc/{process.pid}/task"), time.monotonic() + (30 if Path("/proc").exists() else 4)
+        while time.monotonic() < late and not (threads.exists() and len(list(threads.iterdir())) > 2):
+            time.sleep(0.02)  # until both workers are there
         os.killpg(process.pid, signal.SIGINT)
         _, err = process.communicate(timeout=20)
     assert process.returncode == 130, err

@@ -18,14 +18,13 @@ from stickslip_sym.core.numbers import SAME, read_array
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.motion import Motion
+from stickslip_sym.motion.steps import ADDED
 from stickslip_sym.output import drawing, files, markup
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_REPEATS = 1e-6  # relative change of a swing in a round, up to which a motion repeats itself
-_STEPS = 100  # errors of a step that may add up in a round
 _STILL = 1e-9  # m for each m that the belt moves in 1/omega: a smaller swing is rest
 _SHOWN = 3000  # steps in the picture of a notebook, some hundred rounds; more take seconds to draw
 
@@ -192,7 +191,7 @@ class Trajectory:
             return Motion.REST if self._is_still else Motion.UNDECIDED
         if Phase.SLIP_FORWARD in lately:
             return Motion.OVERTAKING
-        if abs(self.change) <= max(_REPEATS, _STEPS * self.rtol):
+        if abs(self.change) <= ADDED * self.rtol:  # it repeats itself within the errors of the steps
             return Motion.PURE_SLIP
         return Motion.SHRINKING if self.change < 0 else Motion.GROWING
 
@@ -228,8 +227,10 @@ class Trajectory:
     @property
     def summary(self) -> str:
         """What the motion is, in a few words."""
-        if self.change is None or self.motion is Motion.PURE_SLIP:
+        if self.change is None:
             return self.motion.value
+        if self.motion is Motion.PURE_SLIP:
+            return f"{self.motion.value}, the same within {100 * ADDED * self.rtol:.2g} % a round"
         if self.motion is Motion.OVERTAKING:
             return f"{self.motion.value}, {100 * self.change:+.2g} % a round"
         return f"{self.motion.value} by {100 * abs(self.change):.2g} % a round"

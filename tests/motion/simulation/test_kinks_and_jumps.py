@@ -109,3 +109,20 @@ def test_jump_at_belt_speed_holds_the_mass():
     assert (motion.x[motion.t > 1.5] == motion.x[-1]).all()
     law = ss.FrictionLaw("Piecewise((0.3, v < 0.5), 0.5)")
     assert {ss.classify(law, paper_oscillator(c), x0=0.1, v0=0.4) for c in (0.0, 50.0)} == {ss.Motion.REST}
+
+
+def test_a_mass_faster_than_the_belt_slides_at_a_jump_up():
+    """Pulled ahead by the spring, at a slip speed of 0.2 m/s, until the spring balances the lower friction."""
+    osc = paper_oscillator(0.0)
+    lower, speed = 0.3 * osc.N / osc.k, osc.V + 0.2
+    motion = jump(0.3, 0.6, 0.2, osc, 1.0, x0=-1.5 * lower, v0=osc.V + 0.19, time_limit=20)
+    reached = math.asin(speed / math.hypot(speed - 0.01, osc.omega * lower / 2))
+    reached = (reached - math.atan2(speed - 0.01, osc.omega * lower / 2)) / osc.omega
+    x_reached = -lower - lower / 2 * math.cos(osc.omega * reached)
+    x_reached += (speed - 0.01) / osc.omega * math.sin(osc.omega * reached)
+    left = reached + (-lower - x_reached) / speed
+    inside = np.linspace(reached, left, 50)[1:-1]
+    assert motion.at(inside).v == pytest.approx(speed, rel=1e-14)
+    assert motion.at(inside).x == pytest.approx(x_reached + speed * (inside - reached), rel=1e-11)
+    after = left + np.linspace(0, 0.05, 20)
+    assert motion.at(after).v == pytest.approx(speed * np.cos(osc.omega * (after - left)), rel=1e-10)

@@ -16,13 +16,14 @@ def test_change_of_a_linear_oscillator_is_exact():
     """Under constant friction a swing is exp(-2 pi zeta/sqrt(1 - zeta^2)) of the last."""
     law, rng = ss.FrictionLaw("0.3"), np.random.default_rng(17)
     seen = set()
-    for zeta in [0.0, *(rng.choice([-1, 1], 15) * 10 ** rng.uniform(-4, -0.5, 15)).tolist()]:
+    for zeta in [0.0, 3e-9, -1e-7, *(rng.choice([-1, 1], 15) * 10 ** rng.uniform(-4, -0.5, 15)).tolist()]:
         m, k, V, N = (10 ** rng.uniform(-2, 2, 4)).tolist()
         osc = ss.Oscillator(m=m, k=k, V=V, N=N, c=2 * zeta * math.sqrt(k * m))
         x0 = 0.3 * N / k + 0.01 * osc.length
         motion = ss.simulate(law, osc, t_end=4 * 2 * math.pi / osc.omega, x0=x0, v0=0.0, rtol=1e-11)
         exact = math.expm1(-2 * math.pi * zeta / math.sqrt(1 - zeta**2))
-        assert motion.change == pytest.approx(exact, abs=1e-8)
+        assert motion.change == pytest.approx(exact, abs=1e-9)
+        assert ("the same within 1e-07 % a round" in motion.summary) == (zeta == 0)
         expected = Motion.PURE_SLIP if zeta == 0 else Motion.SHRINKING if zeta > 0 else Motion.GROWING
         assert motion.motion is expected
         seen.add(motion.motion)
