@@ -142,6 +142,22 @@ def test_long_motion_shows_its_end():
     assert np.nanmax(times) == long.t[-1]
 
 
+NOTED = [
+    (ss.laws.exponential.typical(), {"c": -5.0}, "no attractor"),
+    (ss.laws.exponential.typical(), {"c": -0.5}, "far out grow without bound: damping and friction feed them"),
+    (ss.FrictionLaw("0.3"), {"c": 0.0, "N": 0.0}, "undecided: slip orbits neither grow nor shrink"),
+]
+
+
+@pytest.mark.parametrize(("law", "changes", "note"), NOTED)
+def test_views_of_a_regime_say_the_same(law, changes, note):
+    found = ss.regime(law, paper_oscillator(**changes))
+    _, text = read(found._repr_html_())
+    assert note in str(found)
+    assert all(line in text for line in str(found).splitlines())
+    assert repr(found) == f"Regime: {'; '.join(str(found).splitlines())}"
+
+
 def test_phase_plane_of_a_regime_has_every_motion(results, tmp_path):
     """Every curve is closed, and comes up to the velocity that the regime says."""
     pytest.importorskip("matplotlib")

@@ -102,7 +102,7 @@ class Table(drawing.Drawn):
 
     def _repr_html_(self) -> str:
         table = markup.table(*self._rows(), caption=self._place)
-        return markup.block(drawing.picture(self.plot, self._place), table, self._summary())
+        return markup.block(self._summary(), drawing.picture(self.plot, self._place), table)
 
     def to_csv(self, path: str | Path) -> None:
         """Write a line for each cell: its place on the axes, and every column.

@@ -388,10 +388,15 @@ class Regime(drawing.Drawn):
         return len(self.attractors) > 1
 
     def __str__(self) -> str:
-        lines = [str(attractor) for attractor in self.attractors]
+        return "\n".join([*map(str, self.attractors), *self._notes])
+
+    @property
+    def _notes(self) -> list[str]:
+        """What is said besides the attractors."""
+        words = [] if self.attractors else ["no attractor"]
         if self.unbounded:
-            lines.append("motions far out grow without bound: damping and friction feed them")
-        return "\n".join([*(lines or ["no attractor"]), *(f"undecided: {text}" for text in self.undecided)])
+            words.append("motions far out grow without bound: damping and friction feed them")
+        return [*words, *(f"undecided: {text}" for text in self.undecided)]
 
     def __repr__(self) -> str:
         return f"Regime: {'; '.join(str(self).splitlines())}"
@@ -400,9 +405,8 @@ class Regime(drawing.Drawn):
         motions = [self.rest, *self.cycles, *([] if self.stick_slip is None else [self.stick_slip])]
         attracting = self.attractors
         rows = [[str(motion), "attracts" if motion in attracting else "does not attract"] for motion in motions]
-        notes = [*(["motions far out grow without bound"] if self.unbounded else []), *self.undecided]
         table = markup.table(["motion", "neighbours"], rows, caption="motions")
-        return markup.block(drawing.picture(self.plot, "; ".join(row[0] for row in rows)), table, *notes)
+        return markup.block(drawing.picture(self.plot, "; ".join(row[0] for row in rows)), table, *self._notes)
 
     def draw(self, ax: "Axes") -> "list[Artist]":
         """Draw the phase plane, and return the handles of its legend: one of several curves of a kind."""
