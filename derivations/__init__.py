@@ -11,7 +11,7 @@ from typing import Any
 
 from stickslip_sym.formula.derivation import Derivation
 
-__all__ = ["CHAPTERS", "chapter"]
+__all__ = ["CERTIFICATES", "CHAPTERS", "chapter"]
 
 CHAPTERS = {
     "energy_balance": "d1_energy_balance",
@@ -26,6 +26,13 @@ CHAPTERS = {
     "one_threshold": "d10_one_threshold",
 }
 """Name of a chapter to the module that holds it, in reading order."""
+
+
+CERTIFICATES = [(law, name) for law in ("exponential", "polynomial") for name in ("least_squares", "harmonic")]
+"""The closed forms (17), (18), and those of the harmonic criterion, whose proofs are scripts in `certificates`.
+
+``stickslip export exponential --criterion harmonic --certificate exponential_harmonic.py`` writes one.
+"""
 
 
 def chapter(name: str) -> Callable[[Mapping[str, Any]], Derivation]:

@@ -17,6 +17,7 @@ from stickslip_sym.formula.certificate import certificate
 
 ROOT = Path(__file__).parents[2]
 WITHOUT_THE_PACKAGE = "import runpy, sys; sys.modules['stickslip_sym'] = None; runpy.run_path(sys.argv[1])"
+PAGES = sorted((ROOT / "derivations" / "certificates").glob("*.py"))
 CATALOGUE = [(name, criterion) for name in ss.laws for criterion in ("equilibrium", "least_squares", "harmonic")]
 CHANGED = {
     "law": ("mu = ",),
@@ -103,6 +104,16 @@ def test_whatever_is_changed_is_noticed(law, criterion):
     for kind in kinds:
         for mutant in mutants(script, kind, 2, rng):
             assert outcome(mutant).startswith("failed: "), kind
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(
+    "page", sorted((ROOT / "derivations" / "certificates").iterdir()), ids=lambda page: page.stem
+)
+def test_pages_of_the_derivations_prove_without_the_package(page):
+    command = [sys.executable, "-c", WITHOUT_THE_PACKAGE, str(page)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout == f"proved: {page.stem.replace('_', ', ', 1)}\n"
 
 
 @pytest.mark.thorough

@@ -1,12 +1,14 @@
 """The derivations: all proved, and each refuted as soon as an equation is wrong."""
 
+from pathlib import Path
+
 import pytest
 import sympy as sp
 from sweeps import sweep
 
-from derivations import CHAPTERS, chapter, paper
+from derivations import CERTIFICATES, CHAPTERS, chapter, paper
 from derivations.d8_second_order import law_4
-from stickslip_sym import Status
+from stickslip_sym import Status, derive
 from stickslip_sym.core.symbols import N, V, a, c, k, m, mu, s, u
 from stickslip_sym.formula.proof.proving import prove_equal, prove_positive
 from stickslip_sym.formula.proof.theorems import Antiderivative, ChangeOfVariable
@@ -98,3 +100,10 @@ def test_text_and_latex_name_every_equation():
         assert f"\\tag*{{{label}}}" in derivation.latex()
     assert derivation.latex().count("\\begin{equation*}") == len(derivation.steps)
     assert "PROVED" in repr(derivation)
+
+
+@pytest.mark.parametrize(("law", "criterion"), CERTIFICATES)
+def test_certificates_are_those_that_the_package_makes(law, criterion):
+    """Made anew and compared; other tests run such scripts without the package."""
+    page = Path(__file__).parents[2] / "derivations" / "certificates" / f"{law}_{criterion}.py"
+    assert page.read_text(encoding="utf-8") == derive(law, criterion).certificate()
