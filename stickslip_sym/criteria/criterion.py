@@ -26,7 +26,8 @@ class Criterion:
     name : str
     weight : sympy.Expr or None
         w(s) on [-1, 1] with unit integral: a polynomial in s with exact coefficients, symmetric or not, zero at
-        the ends or not; or (2/pi) sqrt(1 - s^2). None for the Dirac delta at s = 0.
+        the ends or not; or (2/pi) sqrt(1 - s^2). None for the Dirac delta at s = 0, which takes the mean of
+        both slopes at a kink of mu: small motions decay with it.
     source : str
 
     Raises

@@ -223,7 +223,7 @@ def enclose(
         return EnclosedCriterion(zero, zero, law, criterion, speed, force)
 
     def enclosed() -> arb:
-        value = ball(force).real * average_ball(law.expr, point, criterion, ball(speed).real)
+        value = ball(force).real * average_ball(law.expr, point, criterion, ball(speed).real, speed)
         if not value.is_finite():
             raise NotConverged(
                 f"the {criterion.name} criterion of {law.text} is not enclosed at V = {float(speed):g}"
@@ -235,11 +235,14 @@ def enclose(
     return EnclosedCriterion(ends.low, ends.high, law, criterion, speed, force)
 
 
-def average_ball(mu: Expr, point: Mapping[Expr, Expr | acb], criterion: Criterion, speed: arb) -> arb:
+def average_ball(
+    mu: Expr, point: Mapping[Expr, Expr | acb], criterion: Criterion, speed: arb, exact: Expr | None = None
+) -> arb:
     """Return a ball around -<mu'(V(1 + s))>_w at the working precision; not finite where none is found.
 
     `mu` is a function of `symbols.v`; `point` has the values of its other symbols, exact, or balls where it has no
-    kinks; the speed is positive.
+    kinks; the speed is positive. The slope at a kink is the mean of both, where `exact` says that the speed is
+    there, and any between them where a ball may be.
     """
     reach, kinks = speed if criterion.weight is None else 2 * speed, kinks_at(mu, point)
     inside = [place for place in kinks if ball(place).real < reach]
@@ -247,8 +250,15 @@ def average_ball(mu: Expr, point: Mapping[Expr, Expr | acb], criterion: Criterio
     pieces = smooth_pieces(mu, point, ends_of_pieces[: len(inside) + 2])
     if criterion.weight is None:
         there = {**point, symbols.v: acb(speed)}
-        slope_there = _real(ball_value(sp.diff(pieces[-1], symbols.v), there)).real
-        return -slope_there if _real(ball_value(pieces[-1], there)).is_finite() else arb.nan()
+        near = [kink for kink in kinks if ball(kink).real.overlaps(speed)]
+        if exact is not None:
+            near = [kink for kink in near if kink == exact]
+        sides = smooth_pieces(mu, point, [sp.Integer(0), *kinks, *ends_of_pieces[-1:]])
+        sides = [side for kink in near for side in sides[kinks.index(kink) : kinks.index(kink) + 2]]
+        slopes = [_real(ball_value(sp.diff(side, symbols.v), there)).real for side in sides or pieces[-1:]]
+        if not all(_real(ball_value(side, there)).is_finite() for side in sides or pieces[-1:]):
+            return arb.nan()
+        return -reduce(add, slopes) / len(slopes) if exact is not None else -reduce(arb.union, slopes)
     parts = [ball_function(piece, symbols.v, point) for piece in pieces]
     if not _real(parts[0](acb(0), False)).is_finite():
         return arb.nan()  # no panel that begins at v = 0 has a bound, however often it is halved

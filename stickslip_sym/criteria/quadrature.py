@@ -1,16 +1,18 @@
 """The criteria by numerical quadrature of their definition, to any number of digits.
 
-Equation (16) as it stands: mu itself times the kernel over [0, 2V], in mpmath. Nothing here knows an
-antiderivative, a derivative or a closed form, so agreement with one means something.
+Equation (16) as it stands: mu itself times the kernel over [0, 2V], in mpmath, parted where the formula of mu
+varies quickly. Nothing here knows an antiderivative, a derivative or a closed form, so agreement with one means
+something.
 """
 
 import heapq
 import math
 from collections.abc import Callable, Sequence
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import SupportsIndex
 
 import mpmath
+import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Mpf
@@ -18,6 +20,8 @@ from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import Number, exact, require_type, to_mpf
 from stickslip_sym.criteria.criterion import Criterion, find
+from stickslip_sym.model.expression.pieces import branch_from
+from stickslip_sym.model.expression.transitions import transitions
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 
@@ -30,6 +34,7 @@ _GUARD = 10  # digits beyond those asked for, against rounding in the sum
 _MOST_LOST = 400  # digits of cancellation in an integral that are followed before it counts as zero
 _MOST_LOST_IN_SLOPE = 2000  # of a slope, which costs a few values of mu only
 _MOST_PANELS = 120
+_WIDER = 4  # times, each panel beside a narrow one
 _STRETCHING = 8  # the least power of the variable where mu is infinite at v = 0
 _MOST_STRETCHING = 1000
 _NEAR = (50, 100)  # decimal orders below the belt speed at which a coefficient is seen to be integrable
@@ -47,7 +52,7 @@ def damping(
     """Return the damping coefficient of a criterion by quadrature, c = integral_0^2V mu(u) K(u) du.
 
     For `least_squares` the kernel is K(u) = 5 N (V - u)^3 / (2 V^5): equation (16). The `equilibrium`
-    criterion, c = -N mu'(V), is taken by numerical differentiation of mu.
+    criterion, c = -N mu'(V), is taken by numerical differentiation of mu; at a kink it is the mean of both sides.
 
     Parameters
     ----------
@@ -81,20 +86,36 @@ def damping(
         return mpmath.mpf(0)  # every kernel averages a slope: it integrates to zero
     with mpmath.workdps(digits + _GUARD):
         rule = "tanh-sinh" if law.curve is None else "gauss-legendre"  # of polynomials between kinks
-        mu = law.function("mpmath")
-        result = to_mpf(force) * average(mu, law.kinks(), criterion, speed, digits + 2, rule)
+        mu, quick = law.function("mpmath"), _quick(law)
+        result = to_mpf(force) * average(mu, law.kinks(), criterion, speed, digits + 2, rule, quick)
     with mpmath.workdps(digits):
         return +result
 
 
+def _quick(law: FrictionLaw) -> list[Expr]:
+    """Return slip speeds between which nothing of mu is narrow: nodes of a rule would step over it."""
+    if law.curve is not None:
+        return []
+    segments = {branch_from(law.expr, law.point, start) for start in (sp.Integer(0), *law.kinks())}
+    return [
+        sp.Rational(speed + side * width * _WIDER**k)
+        for speed, width in chain(*(transitions(segment, law.point) for segment in segments))
+        for k in range(int(math.log(speed / (2 * width), _WIDER)) if 0 < width < speed / 8 else 0)
+        for side in (-1, 1)
+    ]
+
+
 def average(
     coefficient: Function, kinks: Sequence[Expr], criterion: Criterion, speed: Expr, digits: int,
-    rule: str = "tanh-sinh",
+    rule: str = "tanh-sinh", quick: Sequence[Expr] = (),
 ) -> Mpf:  # fmt: skip
-    """Return -<mu'(V(1 + s))>_w for a coefficient mu(v) that mpmath evaluates, of which all kinks are given."""
+    """Return -<mu'(V(1 + s))>_w for a coefficient mu(v) that mpmath evaluates, of which all kinks are given.
+
+    - `quick`: slip speeds at which panels end as well.
+    """
     mu = _real(coefficient)
     if criterion.weight is None:
-        return _confirmed_slope(mu, speed, digits)
+        return _confirmed_slope(mu, speed, digits, (-1, 1) if speed in kinks else (0,))
     singular = False
     try:
         mu(mpmath.mpf(0))
@@ -102,7 +123,9 @@ def average(
         singular = True
         _require_integrable(mu, criterion, speed)
     return _following_cancellation(
-        lambda tolerance: _integral(mu, kinks, criterion, speed, tolerance, singular, rule), digits, _MOST_LOST
+        lambda tolerance: _integral(mu, [*kinks, *quick], criterion, speed, tolerance, singular, rule),
+        digits,
+        _MOST_LOST,
     )
 
 
@@ -174,7 +197,7 @@ def _following_cancellation(compute: Callable[[Mpf], tuple[Mpf, Mpf]], digits: i
 
 def _integral(
     mu: Function,
-    kinks: Sequence[Expr],
+    parting: Sequence[Expr],
     criterion: Criterion,
     speed: Expr,
     tolerance: Mpf,
@@ -186,7 +209,7 @@ def _integral(
     Over v, or under the harmonic weight over phi, v = 2V sin^2(phi): no singular ends, no v that cancels.
     """
     V = to_mpf(speed)
-    inside = [V, *(to_mpf(place) for place in kinks if place < 2 * speed)]  # the kernel changes its sign at V
+    inside = [V, *(to_mpf(place) for place in parting if place < 2 * speed)]  # the kernel changes its sign at V
     if criterion.is_polynomial:
         kernel = function_of([symbols.v, symbols.V], criterion.kernel, "mpmath")
         ends = [mpmath.mpf(0), *sorted(set(inside)), 2 * V]
@@ -217,13 +240,18 @@ def _integral(
     return mpmath.fsum(parts), mpmath.fsum(parts, absolute=True)
 
 
-def _confirmed_slope(mu: Function, speed: Expr, digits: int) -> Mpf:
-    """Differentiate mu numerically, twice: a formula for mu may cancel inside, where nothing else shows it."""
+def _confirmed_slope(mu: Function, speed: Expr, digits: int, sides: Sequence[int]) -> Mpf:
+    """Differentiate mu numerically, twice: a formula for mu may cancel inside, where nothing else shows it.
 
-    def slope(_: Mpf) -> tuple[Mpf, Mpf]:
+    - `sides`: -1 and 1 at a kink, for the mean of the slopes on both.
+    """
+
+    def slope(tolerance: Mpf) -> tuple[Mpf, Mpf]:
         V = to_mpf(speed)
         step = mpmath.ldexp(V, -mpmath.mp.prec - _GUARD)  # mpmath's own relative one is 1/V of what it should be
-        return -mpmath.diff(mu, V, h=step), abs(mu(V) / V)
+        # The differences stay on their side: their steps are smaller than the tolerance.
+        slopes = [mpmath.diff(mu, V * (1 + side * tolerance), h=step) for side in sides]
+        return -mpmath.fsum(slopes) / len(slopes), abs(mu(V) / V)
 
     wanted = digits
     while wanted < _MOST_LOST_IN_SLOPE:

@@ -7,7 +7,7 @@ as products, which lose none.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache, partial
+from functools import cache, lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -117,6 +117,7 @@ def _rise(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -
     risen = None if gained is None else function_at(gained, {**values, _START: start}, "numpy")
     with np.errstate(all="ignore"):
         large = (np.abs(reals(plain(_SPEEDS)) - onset) > _LARGE) & (float(start) <= _SPEEDS)
+    terms = cache(lambda: _term_by_term(piece, start, values))
     farthest = np.append(_SPEEDS, np.inf)[np.argmax(np.append(large, True))]  # beyond it products may cancel
 
     def rising(v: FloatArray) -> FloatArray:
@@ -125,9 +126,30 @@ def _rise(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -
             if risen is None:
                 return difference
             value = reals(risen(v)) + before
+            if (lost := ~np.isfinite(value)).any() and piece.is_Add:
+                value = np.array(value)
+                value[lost] = before + sum(of(v[lost]) for of in terms())
         return np.where(np.isfinite(value) & (v < farthest) & ~(np.abs(difference) > _LARGE), value, difference)
 
     return rising
+
+
+def _term_by_term(piece: Expr, start: Expr, values: Mapping[Expr, Expr]) -> list[Rising]:
+    """Return the rises of the terms of a sum, a difference where products overflow, as of a narrow bump."""
+
+    def rise_of(term: Expr) -> Rising:
+        gained = gain(term, symbols.v, _START if start else start)
+        low = number_at(term, {**values, symbols.v: start})
+        by_products = function_at(sp.nan if gained is None else gained, {**values, _START: start}, "numpy")
+        plain = function_at(term, values, "numpy")
+
+        def rising(v: FloatArray) -> FloatArray:
+            value, difference = reals(by_products(v)) + 0.0 * v, reals(plain(v)) - float(low)
+            return np.where(np.isfinite(value), value, difference)
+
+        return rising
+
+    return [rise_of(term) for term in piece.args if term.has(symbols.v)]
 
 
 class _NoValue(Exception):

@@ -10,6 +10,7 @@ import sympy as sp
 from flint import acb, arb
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
+from narrow_laws import SHAPES, narrow_law
 from strategies import laws
 
 import stickslip_sym as ss
@@ -117,3 +118,37 @@ def test_table_ends_where_mu_does():
 def test_what_cannot_be_tabulated_is_refused():
     with pytest.raises(ss.InputError, match="bind"):
         FrictionTable.of(ss.laws.exponential)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_narrow_laws_within_enclosures(shape):
+    law, _, relative = narrow_law(shape, 1)
+    assert deviation(law) < OFF + 1e-15 / relative  # a speed is rounded, which shows where mu is steep
+
+
+def test_a_step_between_the_nodes_is_seen():
+    """The step lies half-way between two nodes of a piece of the same law without it."""
+    smooth = FrictionTable.of(ss.FrictionLaw("0.2 + 0.3*exp(-3*v)"))
+    _, middle, scale, *_ = smooth.pieces[1]
+    between = middle + math.cos(math.pi * 8 / 15) / scale
+    for step in ("0.001*tanh((v - {a})/0.0000001)", "0.001*tanh((exp(v) - exp({a}))/0.0000001)"):
+        law = ss.FrictionLaw(f"0.2 + 0.3*exp(-3*v) + {step}".format(a=np.format_float_positional(between)))
+        table = FrictionTable.of(law)
+        for v in (between * 0.999, between * 1.001):
+            assert table.rise(v) == pytest.approx(law.mu(v) - law.mu(0.0), rel=1e-13)
+        assert np.diff(table.narrow).min() < 1e-6
+        assert not table.resolved(0.0, 2 * between, 100)
+        assert table.resolved(0.0, 0.5 * between, 100)
+
+
+def test_a_law_that_varies_for_ever_is_tabulated_up_to_where_a_motion_comes():
+    law = ss.FrictionLaw("0.35 + 0.1*exp(-v/0.3) + 0.01*sin(10*v)")
+    table = FrictionTable.of(law)
+    assert 50 < table.end == table.reach < 1000
+    v = np.linspace(0.0, 0.999 * table.end, 1000)
+    assert table.values(v) == pytest.approx(law.mu(v) - law.mu(0.0), abs=1e-14)
+    point = {"N": 9.81, "m": 1, "k": 100}
+    found = ss.pure_slip_damping(law, V=0.5, **point, method="simulation")
+    assert found.value == pytest.approx(0.89473021931, rel=1e-10)
+    with pytest.raises(ss.InputError, match=r"varies too often to be tabulated beyond 0\.8"):
+        ss.pure_slip_damping(law, V=300, **point, method="simulation")

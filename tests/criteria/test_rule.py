@@ -1,0 +1,61 @@
+"""Averages of the slope in floats against enclosures, of laws that vary quickly somewhere too."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from narrow_laws import SHAPES, narrow_law
+
+import stickslip_sym as ss
+from stickslip_sym.criteria.criterion import equilibrium, harmonic, least_squares
+from stickslip_sym.criteria.rule import slope_average
+from stickslip_sym.model.table import FrictionTable
+
+
+def off(law, criterion, V, **options):
+    """Return what an average is off, and its stated error."""
+    (average,), (error,), _ = slope_average(law, [V], criterion=criterion, **options)
+    return abs(average - float(ss.enclose(law, criterion, V=V, N=1, digits=17))), error
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_narrow_laws_within_the_stated_error(shape):
+    law, V, _ = narrow_law(shape, 3)
+    criterion = least_squares if shape in ("step", "jump") else harmonic
+    deviation, error = off(law, criterion, V)
+    assert deviation <= error
+    assert error <= 1e-8 / V
+
+
+@pytest.mark.parametrize("V", [1e-9, 0.5, 1e4])
+@pytest.mark.parametrize("name", ["rational", "stribeck", "brown_mcphee"])
+def test_catalogue_within_the_stated_error(name, V):
+    deviation, error = off(ss.laws[name].typical(), harmonic, V)
+    assert deviation <= error
+
+
+def test_slopes_that_are_not_the_rise_are_an_error():
+    """A table that does not part a bump leaves the rule to its nodes; the sum of the slopes tells a step."""
+    law = ss.FrictionLaw("0.2 + 0.3*exp(-3*v) - 0.02*tanh((v - 0.3)/0.00001)")
+    table = FrictionTable.of(law)
+    blind = dataclasses.replace(table, pieces=table.pieces)
+    vars(blind)["narrow"] = np.empty((0, 2))
+    deviation, error = off(law, harmonic, 0.5, table=blind)
+    assert deviation <= error
+    assert error > 1e6 * off(law, harmonic, 0.5)[1]
+
+
+def test_equilibrium_at_a_kink_takes_the_mean_of_both_slopes():
+    law = ss.FrictionLaw("0.5 - 0.1*v^2 - 0.3*Max(v - 0.3, 0)")
+    for V, exact in (("0.3", 0.21), ("0.299999", 0.0599998), ("0.300001", 0.3600002)):
+        assert slope_average(law, [float(V)], criterion=equilibrium)[0][0] == pytest.approx(exact, rel=1e-13)
+        assert float(ss.enclose(law, "equilibrium", V=V, N=1)) == pytest.approx(exact, rel=1e-13)
+        assert float(ss.quadrature.damping(law, "equilibrium", V=V, N=1, digits=15)) == pytest.approx(
+            exact, rel=1e-13
+        )
+
+
+def test_quadrature_is_parted_where_mu_turns():
+    law = ss.FrictionLaw("0.2 + 0.3*exp(-3*v) + 0.1*exp(-((v - 0.3)/0.00001)^2)")
+    exact = float(ss.enclose(law, V="0.5", N=1, digits=15))
+    assert float(ss.quadrature.damping(law, V="0.5", N=1, digits=10)) == pytest.approx(exact, rel=1e-9)

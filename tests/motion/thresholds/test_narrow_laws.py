@@ -1,0 +1,58 @@
+"""Thresholds of laws that vary quickly somewhere: every method is right within its error, or refuses."""
+
+import pytest
+from narrow_laws import narrow_law
+
+import stickslip_sym as ss
+
+WEAK = 1e-4  # N/(V sqrt(k m)): the threshold is that of the harmonic criterion up to the square of it
+
+
+@pytest.mark.parametrize("method", ["auto", "simulation", "orbit", "second_order"])
+@pytest.mark.parametrize(("shape", "seed"), [("step", 1), ("bump", 1), ("sech", 4), ("layer", 2), ("nested", 3)])
+def test_weak_friction_against_enclosures(shape, seed, method):
+    """The enclosed integral knows every place; no grid, step or table may step over one."""
+    law, V, _ = narrow_law(shape, seed)
+    N = WEAK * V * 10
+    exact = float(ss.enclose(law, "harmonic", V=V, N=N, digits=12))
+    try:
+        found = ss.pure_slip_damping(law, V=V, N=N, m=1, k=100, method=method, rtol=1e-6)
+    except (ss.InputError, ss.NotConverged):
+        assert method in ("orbit", "second_order")
+    else:
+        assert abs(found.value - exact) <= (found.relative_error + 1e-6) * abs(exact)
+
+
+def test_narrow_bump_moves_the_threshold_by_its_area():
+    """Steps that miss the bump say the threshold of the law without it, and an error of 1e-11."""
+    point = {"V": 0.5, "N": 9.81, "m": 1, "k": 100, "method": "simulation"}
+    plain, narrow, wide = (
+        ss.pure_slip_damping(f"0.2 + 0.3*exp(-3*v) + 0.1*exp(-((v - 0.3)/{w})^2)*{on}", **point).value
+        for w, on in (("1", "0"), ("0.00000001", "1"), ("0.00001", "1"))
+    )
+    assert (wide - plain) / (narrow - plain) == pytest.approx(1000, rel=1e-3)
+
+
+def test_steep_step_is_seen_by_every_method():
+    law, point = "0.2 + 0.3*exp(-3*v) - 0.02*tanh((v - 0.3)/0.0001)", {"V": 0.5, "N": 9.81, "m": 1, "k": 100}
+    for method in ("auto", "simulation", "orbit"):
+        found = ss.pure_slip_damping(law, **point, method=method)
+        assert found.value == pytest.approx(3.030433391177, rel=1e-11)
+    assert ss.pure_slip_damping(law, **point, method="second_order").relative_error > 0.1
+
+
+def test_orbit_that_passes_a_jump_between_its_phases():
+    smooth = "0.2 + 0.3*exp(-3*v)"
+    law = f"Piecewise(({smooth}, v < 1.00210804), ({smooth} + 0.1, True))"  # 3e-5 below the highest slip speed
+    point = {"V": 0.5, "N": 9.81, "m": 1, "k": 100}
+    with pytest.raises(ss.InputError, match=r"a kink at v = 1\.00211, which the orbit passes"):
+        ss.pure_slip_damping(law, **point, method="orbit")
+    assert ss.pure_slip_damping(law, **point).value == pytest.approx(2.572742, rel=1e-6)
+
+
+@pytest.mark.parametrize("V", [1e-15, 1e-17, 1e-25])
+def test_slowest_belts(V):
+    point = {"V": V, "N": 9.81, "m": 1, "k": 100}
+    for method in ("simulation", "proof"):
+        found = ss.pure_slip_damping(ss.laws.exponential.typical(), **point, method=method)
+        assert abs(found.value / 8.829 - 1) <= found.relative_error
