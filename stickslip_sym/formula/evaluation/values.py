@@ -244,7 +244,7 @@ class Values:
         coefficients = [c.mid() for c in rule.coefficients(heights)]
         sizes, moment = [abs(float(c)) for c in coefficients], self._moment(samples)
         smooth = max(sizes[-2:]) <= _RESOLVED * max(sizes) + _NOISE * noise
-        power = max(1, math.ceil(self.criterion.order_at_rest))
+        power = max(1, int(sp.ceiling(self.criterion.order_at_rest)))
         negligible = (_NEGLIGIBLE * below / ((high - low) * high**power)).max(arb(SMALLEST))
         most = (_OVERSHOOT * max(map(abs, heights), key=float)).max(negligible) if smooth else negligible
         if self._bounded(slope, low, high, most, _QUARTERS):
@@ -286,7 +286,7 @@ class Values:
 
     def _moment(self, samples: Samples) -> arb:
         """Return what |g'| contributes to an average over all that is larger."""
-        power = max(1, math.ceil(self.criterion.order_at_rest))
+        power = max(1, int(sp.ceiling(self.criterion.order_at_rest)))
         return sum((x**power * abs(product) for x, product in samples), arb(0))
 
     def _average(self, samples: Samples, end: arb) -> arb_poly:
