@@ -158,8 +158,9 @@ class FrictionTable:
         reach = math.inf if law.v_max is None else float(law.v_max)
         limit = "the law is measured up to {}; measure further, or hold the last coefficient: extrapolate=True"
         farthest = FARTHEST if upto is None else upto
-        starts = [sp.Integer(0), *law.kinks()]
-        segments = [pair for pair in zip(starts, law.rises(), strict=True) if pair[1][0] < farthest]
+        rises = law.rises()  # of a measured law also where it is held, which is no kink of its formula
+        starts = [sp.Integer(0), *law.kinks()] if law.curve is None else [sp.Integer(0)] * len(rises)
+        segments = [pair for pair in zip(starts, rises, strict=True) if pair[1][0] < farthest]
         ends = [*(start for _, (start, _) in segments[1:]), min(reach, farthest)]
         parts, kinks, firsts, end = list[FloatArray](), list[float](), [0], 0.0
         with np.errstate(all="ignore"), working_precision(_BITS):

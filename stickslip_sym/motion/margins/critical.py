@@ -22,6 +22,7 @@ from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged
 from stickslip_sym.core.numbers import lookup, read_array, read_rtol, real
 from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.criteria.enclosure import Enclosure
+from stickslip_sym.criteria.rule import slope_average
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
@@ -282,8 +283,9 @@ class _Search:
             raise InputError(f"without a normal force nothing depends on {self.of}")
         eta = points.strength / points.V
         with np.errstate(all="ignore"):
-            off = points.N * slope_mean(self.law, harmonic, points.V) - self.c
-            near = np.abs(off) <= _NEAR * (np.abs(off + self.c) + abs(self.c))
+            mean, error, _ = slope_average(self.law, points.V, criterion=harmonic)
+            off = points.N * mean - self.c
+            near = np.abs(off) <= _NEAR * (np.abs(off + self.c) + abs(self.c)) + points.N * error
         near[:-1] |= np.sign(off[:-1]) != np.sign(off[1:])
         near = np.convolve(near & np.isfinite(off) & (self.of in "VN"), np.ones(5), "same") > 0
         if self.of == "V" and near.any() and obstacle(self.law, math.inf) is None:
