@@ -82,6 +82,8 @@ class Row:
             return "" if column == "status" else "unknown"
         if column == "seconds":
             return duration(self.seconds)
+        if column == "relative_error" and self.threshold is not None:
+            return self.threshold.accuracy(form=form).removeprefix("relative error ")
         return format(value, form) if isinstance(value, float) else str(value)
 
 

@@ -356,12 +356,13 @@ class _Search:
 
     def _result(self, x: float) -> Critical:
         """Return a root by a step of Newton's method from one close to it; its error is that of the threshold."""
-        computed, names = ask(self.at(x), self.method, max(_FINER * self.rtol, TIGHT))
+        points = self.at(x)
+        computed, names = ask(points, self.method, max(_FINER * self.rtol, TIGHT))
         value = float(computed.value[0])
         if not names[0] or math.isnan(value):
             self._no_threshold(x)
         method = self.method or methods()[names[0]]
-        by = {"c": -1.0} | {name: float(one[0]) for name, one in method.sensitivity(self.at(x)).items()}
+        by = {"c": -1.0} | {name: float(one[0]) for name, one in method.sensitivity(points).items()}
         own = by.pop(self.of)
         with np.errstate(all="ignore"):
             sensitivity = {name: float(np.divide(-change, own)) for name, change in by.items()}
@@ -369,7 +370,7 @@ class _Search:
         small = abs(step) < _FLAT * abs(x)
         error = None
         if self.criterion is None:
-            off = float(computed.relative_error[0]) * abs(value)
+            off = float((computed.relative_error * points.error_base(computed.value))[0])
             error = (abs(sensitivity["c"]) * off + step**2 / abs(x)) / abs(x) + ROUNDING
             error += 0.0 if small else abs(step / x)
             if not error <= self.rtol:

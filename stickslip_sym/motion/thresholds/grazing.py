@@ -24,7 +24,7 @@ _SAME = 1e-8  # relative distance of two slip speeds that are one, as the highes
 
 
 def grazing_damping(law: FrictionLaw, osc: Oscillator, *, rtol: float, fast: bool = False) -> tuple[float, float]:
-    """Return the damping c in kg/s at which the slip from P grazes the belt's speed, and its relative error.
+    """Return the damping c in kg/s at which the slip from P grazes the belt's speed, and its error in kg/s.
 
     - `osc`: its own c is not used.
     - `rtol`: relative error that is wanted.
@@ -33,8 +33,8 @@ def grazing_damping(law: FrictionLaw, osc: Oscillator, *, rtol: float, fast: boo
     The damping is negative where the slip does not return without any. Raises as `needed_ratio`.
     """
     zeta, error = needed_ratio(Dimensionless.of(law, osc), rtol=rtol, fast=fast)
-    relative = 0.0 if error == 0.0 else error / abs(zeta) if zeta else math.inf
-    return 2 * zeta * osc.impedance, relative
+    unit = 2 * osc.impedance
+    return zeta * unit, error * unit
 
 
 def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:

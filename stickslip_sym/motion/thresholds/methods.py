@@ -7,6 +7,7 @@ Every criterion is a method: an average of the falling slope. A further method i
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING
 
@@ -28,7 +29,7 @@ from stickslip_sym.motion.orbits.orbit import obstacle, orbits
 from stickslip_sym.motion.steps import TIGHT
 from stickslip_sym.motion.thresholds.averages import average, average_changes
 from stickslip_sym.motion.thresholds.grazing import grazing_damping, grazing_sensitivity
-from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
+from stickslip_sym.motion.thresholds.operating_points import VANISHING, OperatingPoints
 
 if TYPE_CHECKING:
     from stickslip_sym.motion.thresholds.theorem import Theorem
@@ -45,7 +46,8 @@ class Computed:
     """What a method says of operating points.
 
     - `value`: thresholds in kg/s, shape (n,); NaN where there is none.
-    - `relative_error`: as far as the method knows it by itself, shape (n,); infinite where it does not.
+    - `relative_error`: as far as the method knows it by itself, shape (n,); infinite where it does not. Where
+      a threshold is below a small part of N <|mu'|>, relative to that, as `OperatingPoints.relative` says.
     - `refusals`: why there is no value, or one of a larger error than was asked for, by row.
     - `theorems`: what was proved, by row.
     """
@@ -149,8 +151,10 @@ def find_method(method: "str | Criterion | Method") -> Method | None:
 # -- one of them, or the cheapest ------------------------------------------------------------------
 
 
-def good_enough(points: OperatingPoints, method: Method | None, rtol: float) -> tuple[Computed, ObjectArray]:
-    """Return thresholds by a method, or by the cheapest for None, and the names of their methods.
+def good_enough(
+    points: OperatingPoints, method: Method | None, rtol: float
+) -> tuple[Computed, ObjectArray, FloatArray]:
+    """Return thresholds by a method, or by the cheapest for None, the names of their methods, and errors in kg/s.
 
     Their errors are at most `rtol` if the method converges, and stated if not. Where `rtol` is not reached, or
     time is up, the message holds the best value.
@@ -160,7 +164,7 @@ def good_enough(points: OperatingPoints, method: Method | None, rtol: float) -> 
     found, names = ask(points, method, rtol, prove=True)
     far = np.flatnonzero(~(found.relative_error <= rtol))
     if not far.size:
-        return found, names
+        return found, names, found.relative_error * points.error_base(found.value)
     row = int(far[0])
     if method is None or method.converges:
         refusal = found.refusals.get(row)
@@ -179,14 +183,13 @@ def good_enough(points: OperatingPoints, method: Method | None, rtol: float) -> 
             'are no numbers there, or overflow; check the law, or try method="simulation"'
         )
     if points.has_oscillator:  # else nothing is known of the threshold itself
-        reference, _ = ask(points.rows(far), None, _REFERENCE)
-        off = np.abs(found.value[far] - reference.value)
-        with np.errstate(all="ignore"):
-            off = np.where(off == 0, 0.0, off / np.abs(reference.value)) + reference.relative_error
-        error = found.relative_error.copy()
-        error[far] = np.where(np.isnan(off), np.inf, off)
-        found = replace(found, relative_error=error)
-    return found, names
+        some = points.rows(far)
+        reference, _ = ask(some, None, _REFERENCE)
+        off = some.relative(np.abs(found.value[far] - reference.value), reference.value) + reference.relative_error
+        error, base = found.relative_error.copy(), points.error_base(found.value)
+        error[far], base[far] = np.where(np.isnan(off), np.inf, off), some.error_base(reference.value)
+        return replace(found, relative_error=error), names, error * base
+    return found, names, np.full(len(points), np.inf)
 
 
 def ask(
@@ -240,9 +243,9 @@ def _in_turn(points: OperatingPoints, rtol: float, prove: bool) -> Iterator[tupl
         yield methods()["proof"], np.ones(len(points), dtype=bool)
 
 
-def accuracy(error: float | None) -> str:
+def accuracy(error: float | None, form: str = ".0e") -> str:
     """Return a relative error as text."""
-    return "unknown" if error is None or not np.isfinite(error) else f"{error:.0e}"
+    return "unknown" if error is None or not np.isfinite(error) else format(error, form)
 
 
 def _best(points: OperatingPoints, computed: Computed, row: int) -> str:
@@ -250,7 +253,9 @@ def _best(points: OperatingPoints, computed: Computed, row: int) -> str:
     value, error = computed.value[row], computed.relative_error[row]
     if not error < 1:
         return "; no value was found" if np.isfinite(error) else ""
-    return f"; the best value found for {points.label(row)} is {value:.10g} kg/s, relative error {accuracy(error)}"
+    off = error * float(points.rows([row]).error_base(computed.value[[row]])[0])
+    accurate = f"relative error {accuracy(error)}" if off < abs(value) else f"error {off:.0e} kg/s"
+    return f"; the best value found for {points.label(row)} is {value:.10g} kg/s, {accurate}"
 
 
 # -- averages of the slope -------------------------------------------------------------------------
@@ -294,12 +299,11 @@ def _by_expansion(points: OperatingPoints, rtol: float) -> Computed:
     with np.errstate(all="ignore"):  # for strong friction the expansion is no number, or a huge one
         value = N * (weak.harmonic + strength**2 * weak.second)
         # `tail` is relative to the largest slope; a layer between v = 0 and the first phase would pass unseen.
-        off = [weak.tail * weak.largest, np.abs(weak.harmonic - everything) + unsure]
-        resolution = sum(np.where(one == 0, 0.0, one / np.abs(weak.harmonic)) for one in off)
+        resolution = N * (weak.tail * weak.largest + np.abs(weak.harmonic - everything) + unsure)
         scale = N * np.maximum(weak.largest, np.abs(everything))
         layer = points.impedance * of_layer(points.law, points.V, strength, weak.phases)
         more = (strength * weak.overtones) ** 4 * scale + layer
-        error = resolution + np.where(more == 0, 0.0, more / np.abs(value)) + ROUNDING
+        error = points.relative(resolution + more + ROUNDING * points.slope_scale, value)
         # The orbit goes beyond 2 V by its overtones, to where the expansion does not look.
         beyond = points.V * (2 + strength * weak.overtones + _BESIDE)
         first = min(map(float, points.law.kinks()), default=math.inf)
@@ -335,7 +339,10 @@ def _orbit_cost(points: OperatingPoints, rtol: float) -> FloatArray:
 
 def _by_orbit(points: OperatingPoints, rtol: float) -> Computed:
     found = orbits(points.law, points.V, points.strength, rtol=rtol)
-    value, error = found.d * points.impedance, found.relative_error
+    value = found.d * points.impedance
+    with np.errstate(invalid="ignore"):
+        error = points.relative(found.relative_error * np.abs(value), value)  # NaN where d is 0 but need not be
+    error[np.isnan(error)] = np.inf
     reason = obstacle(points.law, points.V, float(np.fmin.reduce(found.lowest, initial=0.0)) - _BESIDE)
     if reason is not None:
         refusals = dict.fromkeys(range(len(points)), _not_smooth("orbit", reason))
@@ -369,7 +376,8 @@ def _orbit_changes(points: OperatingPoints) -> dict[str, FloatArray]:
 def _by_simulation(points: OperatingPoints, rtol: float) -> Computed:
     """Return the damping at which the simulated slip from P grazes the belt's speed."""
     fast = len(points) >= _MANY
-    return _each(points, lambda row: grazing_damping(points.law, points.oscillator(row), rtol=rtol, fast=fast))
+    found = _each(points, lambda row: grazing_damping(points.law, points.oscillator(row), rtol=rtol, fast=fast))
+    return replace(found, relative_error=points.relative(found.relative_error, found.value))
 
 
 def _each(points: OperatingPoints, compute: Callable[[int], tuple[float, float]]) -> Computed:
@@ -392,10 +400,12 @@ def _by_proof(points: OperatingPoints, rtol: float) -> Computed:
     theorems = {}
 
     def proved(row: int) -> tuple[float, float]:
-        guess = grazing_damping(points.law, points.oscillator(row), rtol=_REFERENCE)
-        theorems[row] = prove_threshold(ExactPoint(points.law, **points.exact_row(row)), *guess, rtol)
+        c, error = grazing_damping(points.law, points.oscillator(row), rtol=_REFERENCE)
+        scale, off = float(points.slope_scale[row]), float(points.rows([row]).relative(error, np.array([c]))[0])
+        theorems[row] = prove_threshold(ExactPoint(points.law, **points.exact_row(row)), c, off, rtol, scale)
         enclosure = theorems[row].enclosure
-        return float(enclosure), float(enclosure.radius / abs(enclosure.mid))
+        base = max(abs(enclosure.mid), Fraction(VANISHING * scale))
+        return float(enclosure), float(enclosure.radius / base)
 
     return replace(_each(points, proved), theorems=theorems)
 

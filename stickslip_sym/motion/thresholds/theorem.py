@@ -23,6 +23,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.lipschitz import BITS_OF_SIGNS, lipschitz_evidence
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, Undecided, transit
 from stickslip_sym.motion.thresholds.certificate import certificate
+from stickslip_sym.motion.thresholds.operating_points import VANISHING
 from stickslip_sym.output import printing
 from stickslip_sym.output.layout import prose
 from stickslip_sym.output.notation import latex_name
@@ -129,25 +130,28 @@ def _work(one: Transit) -> str:
     return f"by {one.steps} Taylor steps with {one.bits} bits, in boxes no wider than {one.width:.1e}"
 
 
-def prove_threshold(point: ExactPoint, guess: float, error: float, rtol: float) -> Theorem:
+def prove_threshold(
+    point: ExactPoint, guess: float, error: float, rtol: float, scale: float = 0.0
+) -> Theorem:
     """Prove two dampings that enclose the threshold.
 
     - `guess, error`: a value of the threshold in kg/s, and its relative error as far as known.
     - `rtol`: the width of the enclosure, relative.
+    - `scale`: N <|mu'|>; both are relative to a small part of that where the guess lies below.
 
     Raises `InputError` if the law does not meet a hypothesis of the lemma.
     Raises `NoThreshold` if the slip returns for no damping c >= 0.
     Raises `NotConverged` if a decision does not fall; it says where the boxes grew.
     """
     hypotheses = checked_hypotheses(point)
-    if guess == 0 and point.law.expr.has(symbols.v):
+    if guess == 0 and not scale and point.law.expr.has(symbols.v):
         raise NotConverged(
             "in double precision the threshold was not distinguished from 0, near which nothing is enclosed"
         )
-    if guess == 0:
+    if guess == scale == 0:
         raise NoThreshold("the threshold is 0: friction does no work on a round, and nothing is left to enclose")
     search = Search(partial(transit, point), "c in kg/s")
-    found = search.around(guess, error, rtol)
+    found = search.around(guess, error, rtol, scale)
     undamped = None
     if found.low > 0:
         with suppress(Undecided, InputError):
@@ -173,35 +177,37 @@ class Search:
         self.decided: dict[Fraction, Transit] = {}
         self.bits = list(_BITS)
 
-    def around(self, value: float, error: float, rtol: float) -> Enclosure:
+    def around(self, value: float, error: float, rtol: float, scale: float = 0.0) -> Enclosure:
         """Enclose the threshold by two values within a relative distance.
 
         - `value, error`: where to look, and its relative error as far as known.
+        - `scale`: size of what cancels in a value close to 0; distances are relative to a small part of it then.
         """
-        center, close = Fraction(value), Fraction(rtol)
-        half = close * abs(center) * Fraction(2, 5)
-        width = max(half, abs(center) * Fraction(min(max(2 * error, 1e-15), _WIDEST)))
+        center, close, least = Fraction(value), Fraction(rtol), Fraction(VANISHING * scale)
+        base, size = max(abs(center), least), max(abs(center), Fraction(scale))
+        half = close * base * Fraction(2, 5)
+        width = max(half, base * Fraction(min(max(2 * error, 1e-15), _WIDEST)))
         for side in (-1, 1):  # the slip returns below the threshold
             step = width
-            while self._returns(_rounded(center + side * step, step), step / abs(center)) != (side < 0):
+            while self._returns(_rounded(center + side * step, step), step / size) != (side < 0):
                 step *= 4
                 center = self._secant() or center  # a guess that is off by more than it says is mended
-                if not 0 < step < abs(center):
+                if not 0 < step < max(abs(center), size):
                     raise NotConverged(f"no change is near the guess {self.label} = {float(abs(center)):g}")
         while True:
             low = max(x for x, one in self.decided.items() if one.returns)
             high = min(x for x, one in self.decided.items() if not one.returns)
             if low > high:
                 raise NotConverged(f"several changes are near the guess {self.label} = {float(abs(center)):g}")
-            if high - low <= close * abs(low):
+            if high - low <= close * max(abs(low), least):
                 return Enclosure(low, high)
             # By the secant where it converges, else by halves.
-            middle, radius = self._secant(), max(half, _CURVED * (high - low) ** 2 / abs(low))
+            middle, radius = self._secant(), max(half, _CURVED * (high - low) ** 2 / size)
             if middle is None or not low < middle < high or radius > (high - low) / 4:
                 middle, radius = (low + high) / 2, Fraction(0)
             grain = radius or (high - low) / 8
             for x in sorted({_rounded(middle + side * radius, grain) for side in (-1, 1)}):
-                if low < x < high and not self._returns(x, grain / abs(low)):
+                if low < x < high and not self._returns(x, grain / size):
                     break  # nor does it beyond
 
     def _returns(self, x: Fraction, distance: Fraction) -> bool:

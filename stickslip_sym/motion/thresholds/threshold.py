@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -12,7 +13,7 @@ import numpy as np
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray
-from stickslip_sym.core.errors import OutOfTime
+from stickslip_sym.core.errors import NO_RESULT, OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.uncertain import with_error
@@ -29,9 +30,10 @@ from stickslip_sym.motion.thresholds.methods import (
     is_straight,
     methods,
 )
-from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, Quantity
+from stickslip_sym.motion.thresholds.operating_points import VANISHING, OperatingPoints, Quantity
 from stickslip_sym.motion.thresholds.uncertainty import (
     Budget,
+    ranged,
     second_order_ratio,
     shaped,
     standard_errors,
@@ -55,6 +57,9 @@ class Threshold:
     method : str or numpy.ndarray of str
     relative_error : float, numpy.ndarray or None
         Error against the exact threshold, relative: an estimate, with "proof" a bound; None if nothing is known.
+        Where the threshold is below 1e-8 N <|mu'|>, as where slopes cancel, it is relative to that.
+    error : float, numpy.ndarray or None
+        The same in kg/s.
     points : OperatingPoints
         Where they are the thresholds; what they depend on follows from it.
     used : mapping of str to Method
@@ -65,11 +70,12 @@ class Threshold:
         Seconds that its derivatives may take, and the second order of its uncertainty.
     """
 
-    reported = ("value", "method", "relative_error", "status", "uncertainty", "nonlinearity", "budget")
+    reported = ("value", "method", "relative_error", "error", "status", "uncertainty", "nonlinearity", "budget")
 
     value: Any
     method: Any
     relative_error: Any
+    error: Any
     points: OperatingPoints = field(repr=False, compare=False)
     used: Mapping[str, Method] = field(repr=False, compare=False)
     theorems: tuple[Theorem, ...] = ()
@@ -156,23 +162,51 @@ class Threshold:
         """PROVED, or ESTIMATED where the error is an estimate, or not known."""
         return Status.PROVED if self.theorems else Status.ESTIMATED
 
+    @property
+    def has_standard_error(self) -> bool:
+        """Whether a quantity or a parameter of the law carries a standard error."""
+        return bool(self.points.uncertain or self.points.law.uncertain)
+
+    @property
+    def _standard_error(self) -> Any:
+        """The standard error as far as it was computed: NaN where that failed, None where nothing carries one."""
+        if not self.has_standard_error:
+            return None
+        budget: Budget | None = vars(self).get("budget")
+        return np.full(self.points.shape, np.nan) if budget is None else budget.uncertainty
+
+    def accuracy(self, index: tuple[int, ...] = (), form: str = ".0e") -> str:
+        """Return the error of one value as text: relative, or in kg/s where the value is 0 within its error."""
+        if self.relative_error is None:
+            return "relative error unknown"
+        least = VANISHING * self.points.slope_scale.reshape(self.points.shape)
+        columns = self.value, self.relative_error, self.error, least
+        value, off, error, least = (float(np.asarray(column)[index]) for column in columns)
+        most = "at most " if self.theorems else ""
+        if not math.isfinite(error) or abs(value) >= max(error, least) > 0:
+            return f"relative error {most}{accuracy(off, form)}"
+        text = f"error {most}{error:{form}} kg/s" if error else "error 0"
+        return text if off >= 1 or not error else f"{text}, which is {off:{form}} of {VANISHING:.0e} N <|mu'|>"
+
     def __str__(self) -> str:
         if not np.size(self.value):
             return "0 thresholds"
-        error, low, high = self.relative_error, np.min(self.value), np.max(self.value)
-        worst = accuracy(None if error is None else float(np.max(error)))
-        most = "at most " if self.theorems else ""
-        basis = f"{', '.join(np.unique(self.method))}, relative error {most}{worst}, {self.status}"
+        low, high, spread = np.min(self.value), np.max(self.value), self._standard_error
+        row = 0 if self.relative_error is None else int(np.argmax(self.relative_error))
+        worst = self.accuracy(tuple(map(int, np.unravel_index(row, self.points.shape))))
+        basis = f"{', '.join(np.unique(self.method))}, {worst}, {self.status}"
         if np.ndim(self.value):
             text = f"{self.value.size} thresholds from {low:.6g} to {high:.6g} kg/s ({basis})"
-        else:
+        elif spread is None or self.theorems or np.isnan(spread):
             text = f"{self.enclosure or format(low, '.10g')} kg/s ({basis})"
-            with suppress(OutOfTime):
-                if self.budget is not None and not self.theorems:
-                    off = "unknown" if error is None else f"{error * abs(self.value):.0e}"
-                    value = with_error(self.value, self.budget.uncertainty)
-                    text = f"{value} kg/s (parameters) +/- {off} (method: {self.method})"
-        if low < 0:
+        else:
+            off = "unknown" if self.error is None else f"{self.error:.0e}" if self.error else "0"
+            text = f"{with_error(self.value, float(spread))} kg/s (parameters) +/- {off} (method: {self.method})"
+            spread = None
+        if spread is not None:
+            size = f"{ranged(spread, '.2g')} kg/s" if np.isfinite(spread).all() else "unknown"
+            text += f"; standard error {size} (parameters)"
+        if np.any(self.value < -np.asarray(0.0 if self.error is None else self.error)):
             text += "; no damping is needed: a negative value says how much energy must be fed in for stick-slip"
         return text
 
@@ -181,17 +215,20 @@ class Threshold:
 
     def _repr_html_(self) -> str:
         value, method = np.atleast_1d(self.value), np.atleast_1d(self.method)
-        error = np.broadcast_to(np.inf if self.relative_error is None else self.relative_error, value.shape)
+        spread = None if self._standard_error is None else np.atleast_1d(self._standard_error)
         rows = []
         for index in markup.shortened(list(np.ndindex(value.shape))):
-            row = ["..."] * 5
+            row = ["..."] * 6
             if index is not None:
-                row = [", ".join(map(str, index)), f"{value[index]:.10g}", str(method[index])]
-                row += [accuracy(float(error[index])), str(self.status)]
+                text = str(self.enclosure or format(value[index], ".10g"))
+                deviation = "" if spread is None else accuracy(float(spread[index]), ".2g")
+                accurate = self.accuracy(index if self.points.shape else ())
+                row = [", ".join(map(str, index)), text, deviation, str(method[index]), accurate, str(self.status)]
             rows.append(row)
-        header = ["operating point", "c in kg/s", "method", "relative error", "status"]
-        first = 0 if np.ndim(self.value) else 1
-        return markup.table(header[first:], [row[first:] for row in rows], caption="pure-slip damping")
+        header = ["operating point", "c in kg/s", "standard error", "method", "error of the method", "status"]
+        shown = [i for i in range(6) if (i or np.ndim(self.value)) and (i != 2 or spread is not None)]
+        head, *body = ([row[i] for i in shown] for row in (header, *rows))
+        return markup.table(head, body, caption=f"pure-slip damping: {self}")
 
 
 def pure_slip_damping(
@@ -277,16 +314,21 @@ def pure_slip_damping(
         warn_where_negative(law, float(points.V.max()))
     with deadline.time_limit(time_limit):
         deadline.check_time()
-        computed, names = good_enough(points, chosen, rtol)
+        computed, names, errors = good_enough(points, chosen, rtol)
     table = methods() if chosen is None else {chosen.name: chosen}
     error = computed.relative_error
     known = np.isfinite(error).any() or not error.size
-    return Threshold(
+    found = Threshold(
         shaped(computed.value + 0.0, points.shape),  # -0.0 becomes 0.0
         str(names[0]) if points.shape == () else np.array(names.tolist(), dtype=str).reshape(points.shape),
         shaped(error, points.shape) if known else None,
+        shaped(errors, points.shape) if known else None,
         points,
         {name: table[name] for name in set(names.tolist())},
         tuple(computed.theorems.values()) if len(computed.theorems) == len(points) else (),
         time_limit,
     )
+    if found.has_standard_error:
+        with suppress(*NO_RESULT, OutOfTime):  # raised again where it is asked for
+            _ = found.budget
+    return found

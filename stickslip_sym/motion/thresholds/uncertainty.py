@@ -90,8 +90,8 @@ class Budget(Report):
     def _parts(self) -> list[str | Rows]:
         rows = []
         for name in self.names:
-            share = _range(100 * np.asarray(self.shares[name]), ".1f")
-            rows.append([name, f"{self.deviations[name]:.3g}", _range(self.alone[name], ".3g"), f"{share} %"])
+            share = ranged(100 * np.asarray(self.shares[name]), ".1f")
+            rows.append([name, f"{self.deviations[name]:.3g}", ranged(self.alone[name], ".3g"), f"{share} %"])
         header = ["quantity", "standard error", "alone, kg/s", "share of the variance"]
         pairs = ", ".join(f"{one} and {other} ({r:+.2f})" for one, other, r in self.correlated)
         remarks = [f"correlated: {pairs}; their shares hold only together"] if pairs else []
@@ -103,7 +103,8 @@ def shaped(column: FloatArray, shape: tuple[int, ...]) -> Any:
     return float(column[0]) if shape == () else np.asarray(column).reshape(shape)
 
 
-def _range(values: Numbers, form: str) -> str:
+def ranged(values: Numbers, form: str) -> str:
+    """Return numbers as text, from the lowest to the highest."""
     if not np.size(values):
         return ""
     low, high = (format(float(end(values)), form) for end in (np.min, np.max))
