@@ -103,7 +103,8 @@ def _summed(
     for kink, jump in zip(table.kinks, table.jumps[1:].tolist(), strict=True):
         if jump and parting and speeds[0, 0] < kink < speeds[0, -1]:
             at = int(np.abs(speeds[0] - kink).argmin())
-            average -= jump * _weight(criterion, ends[at]) / (V * A)[:, 0]
+            height = jump * _weight(criterion, ends[at]) / (V * A)[:, 0]
+            average, size = average - height, size + np.abs(height)
             rises[:, at - (speeds[0, at] >= kink)] -= jump  # of the panel on whose side rounding put the end
     # Slopes at rounded speeds do not add up to the rise where mu is steep; the rise is what counts there.
     lack = rises / (V * A) - (slope * share).reshape(len(V), -1, _NODES).sum(axis=2)

@@ -20,7 +20,6 @@ from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged, NoThr
 from stickslip_sym.core.numbers import lookup
 from stickslip_sym.criteria import criterion as criteria
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.criteria.rule import slope_average
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.table import FrictionTable
 from stickslip_sym.motion.orbits.expansion import expand, expansion_changes, of_layer
@@ -295,7 +294,7 @@ def _by_expansion(points: OperatingPoints, rtol: float) -> Computed:
     """
     del rtol  # the value is what it is
     weak, strength, N = points.weak, points.strength, points.N
-    everything, unsure, _ = slope_average(points.law, points.V)
+    everything, unsure, _ = points.averaged
     with np.errstate(all="ignore"):  # for strong friction the expansion is no number, or a huge one
         value = N * (weak.harmonic + strength**2 * weak.second)
         # `tail` is relative to the largest slope; a layer between v = 0 and the first phase would pass unseen.
@@ -401,7 +400,10 @@ def _by_proof(points: OperatingPoints, rtol: float) -> Computed:
 
     def proved(row: int) -> tuple[float, float]:
         c, error = grazing_damping(points.law, points.oscillator(row), rtol=_REFERENCE)
-        scale, off = float(points.slope_scale[row]), float(points.rows([row]).relative(error, np.array([c]))[0])
+        scale, off = (
+            float(points.slope_scale[row]),
+            float(points.rows([row]).relative(np.array([error]), np.array([c]))[0]),
+        )
         theorems[row] = prove_threshold(ExactPoint(points.law, **points.exact_row(row)), c, off, rtol, scale)
         enclosure = theorems[row].enclosure
         base = max(abs(enclosure.mid), Fraction(VANISHING * scale))

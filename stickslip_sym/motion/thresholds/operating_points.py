@@ -11,18 +11,16 @@ from numpy.typing import ArrayLike
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import FloatArray, Rational, Rows
-from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.errors import NO_RESULT, InputError
 from stickslip_sym.core.numbers import exact, fraction, read_array
 from stickslip_sym.core.uncertain import UFloat, split
-from stickslip_sym.model.expression.pieces import jumps
+from stickslip_sym.criteria.rule import slope_average
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.orbits.expansion import Expansion, expand
 
 VANISHING = 1e-8
 """Of N <|mu'|>: a threshold below that is nearly 0, and its error relative to that."""
-
-_PHASES = 64  # of half a period, for the size of the slopes
 
 Quantity: TypeAlias = ArrayLike | UFloat
 """One number, which may carry a standard error, or an array of them without, as users give it."""
@@ -119,21 +117,22 @@ class OperatingPoints:
             return expand(self.law, self.V)
 
     @cached_property
+    def averaged(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """The average of -mu' by the harmonic weight, its error, and that of abs(mu'), in s/m."""
+        return slope_average(self.law, self.V)
+
+    @cached_property
     def slope_scale(self) -> FloatArray:
-        """N <|mu'|> in kg/s, with the weight of a harmonic motion; where slopes cancel a threshold is far smaller."""
-        theta = (np.arange(_PHASES) + 0.5) * (np.pi / _PHASES)
-        with np.errstate(all="ignore"):
-            sizes = np.abs(self.law.at_speeds(2 * self.V[:, None] * np.sin(theta / 2) ** 2, derivative=True))
-            scale = 2 * (np.where(np.isfinite(sizes), sizes, 0.0) * np.sin(theta) ** 2).mean(axis=1)
-            for place, height in jumps(self.law.expr):
-                at, size = self.law.number(place), abs(self.law.number(height))
-                half = np.sqrt(np.maximum(1 - (at / self.V - 1) ** 2, 0.0))
-                scale += 2 / np.pi * half * size / self.V
-        return np.asarray(self.N * scale)
+        """N <|mu'|> in kg/s, 0 where it is not known; a threshold is far smaller where slopes cancel."""
+        try:
+            size = self.averaged[2]
+            return np.where(np.isfinite(size), self.N * size, 0.0)
+        except NO_RESULT:
+            return np.zeros(len(self))
 
     def error_base(self, value: FloatArray) -> FloatArray:
         """Return what the errors of thresholds are relative to: these, or a small part of N <|mu'|>."""
-        return np.maximum(np.abs(value), VANISHING * self.slope_scale)
+        return np.asarray(np.maximum(np.abs(value), VANISHING * self.slope_scale))
 
     def relative(self, error: FloatArray, value: FloatArray) -> FloatArray:
         """Return errors in kg/s relative to thresholds, or to a small part of N <|mu'|> where that is larger."""

@@ -130,9 +130,7 @@ def _work(one: Transit) -> str:
     return f"by {one.steps} Taylor steps with {one.bits} bits, in boxes no wider than {one.width:.1e}"
 
 
-def prove_threshold(
-    point: ExactPoint, guess: float, error: float, rtol: float, scale: float = 0.0
-) -> Theorem:
+def prove_threshold(point: ExactPoint, guess: float, error: float, rtol: float, scale: float = 0.0) -> Theorem:
     """Prove two dampings that enclose the threshold.
 
     - `guess, error`: a value of the threshold in kg/s, and its relative error as far as known.

@@ -179,8 +179,8 @@ class Threshold:
         """Return the error of one value as text: relative, or in kg/s where the value is 0 within its error."""
         if self.relative_error is None:
             return "relative error unknown"
-        least = VANISHING * self.points.slope_scale.reshape(self.points.shape)
-        columns = self.value, self.relative_error, self.error, least
+        scale = VANISHING * self.points.slope_scale.reshape(self.points.shape)
+        columns = self.value, self.relative_error, self.error, scale
         value, off, error, least = (float(np.asarray(column)[index]) for column in columns)
         most = "at most " if self.theorems else ""
         if not math.isfinite(error) or abs(value) >= max(error, least) > 0:

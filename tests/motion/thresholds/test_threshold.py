@@ -12,6 +12,9 @@ import stickslip_sym as ss
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 EXPONENTIAL, POLYNOMIAL = ss.laws.exponential.typical(), ss.laws.polynomial.typical()
 ROOT = ss.FrictionLaw("0.5-0.1*sqrt(v)")
+# The paper's two, "alpha 8", "N 50", "layer" and "root" are middles of enclosures by method="proof" at rtol=1e-11.
+# Where friction is stronger a proof takes minutes: those are values of the simulation itself, against its changes,
+# and the dampings on both sides of each are tried below.
 STEEP = {
     "paper, exponential": (EXPONENTIAL, {}, 2.57307887898),
     "paper, polynomial": (POLYNOMIAL, {}, 3.03647724356),
