@@ -32,7 +32,9 @@ def test_a_threshold_of_0_is_a_number(kind):
         assert "relative error" not in str(found) + found._repr_html_()
         assert "of 1e-08 N <|mu'|>" in str(found)
         assert "no damping is needed" not in str(found)
-        assert method != "proof" or found.enclosure.low < 0 < found.enclosure.high
+        if method == "proof":
+            assert found.enclosure.low < 0 < found.enclosure.high
+            assert found.error == pytest.approx(float(found.enclosure.radius), rel=1e-9)
         beside = ss.pure_slip_damping(law, V=1.02 * V, **OSCILLATOR, method=method, rtol=1e-3)
         assert abs(beside.value) > 1e-3
         assert "relative error" in str(beside)
