@@ -66,7 +66,8 @@ _LOST = 2.0  # octaves by which a series must reach further for an exponential b
 
 _NODES = 19  # of a panel
 _SMOOTH = 0.5 * _EPSILON  # of <|g'|>: the last coefficients of a panel
-_BETWEEN = (-1.0, 0.61803)  # from the middle of a panel, over half its width: where it is compared with balls
+_BETWEEN = (-0.9999, 0.61803)
+"""From a panel's middle, over half its width: where it is compared with balls. Its very end may be a kink."""
 _PANELS = 500  # at most; what takes more waves for ever
 _HALVINGS = 48  # of a panel that is not smooth: what is narrower than floats resolve is a kink
 _NEAR_KINK = 1.25  # times r at a kink: up to there the panel's variable is the square root
@@ -301,7 +302,7 @@ class _Builder:
         edges = [start, *sorted({float(x) for x in inside if start < x < stop}), stop]
         rows: list[list[float]] = []
         for left, right in pairwise(edges):
-            rooted = left in self.corners and not self.criterion.is_polynomial
+            rooted = left in self.corners and not (self.local or self.criterion.is_polynomial)
             if not self._fit(rows, left, right, left if rooted else None, _HALVINGS):
                 return None
         return Table(np.array(rows))

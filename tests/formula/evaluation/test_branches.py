@@ -154,3 +154,22 @@ def test_where_parameters_meet_a_form_has_the_value_of_its_definition(text, valu
     beside = {name: [1.1 * value or 0.1, value] for name, value in values.items()}
     got = form(V=0.5, N=1.0, **values), form.evaluate(20, V=0.5, N=1, **values), form(V=0.5, N=1.0, **beside)[1]
     assert [float(value) for value in got] == pytest.approx([right] * 3, rel=1e-14)
+
+
+@pytest.mark.parametrize("criterion", ["equilibrium", "least_squares", "harmonic"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Piecewise((0.5 - 0.2*v, v < 0.7), 0.36)",
+        "Max(0.5 - 0.2*v, 0.3)",
+        "0.5 - 0.1*Min(v, 1) + 0.02*Max(v - 2, 0)",
+        "Max(0.5*exp(-v), 0.2)",
+    ],
+)
+def test_laws_in_pieces_have_branches(text, criterion):
+    """Balls for every value of an array would take a thousand times as long."""
+    average = ss.slope_average(text, criterion)
+    assert all(function.branches() is not None for function in average.functions)
+    V = np.geomspace(1e-3, 1e3, 13) * 1.0003
+    exact = accuracy.by_definition(average, {"V": V, "N": np.ones(V.size)})
+    assert average(V=V, N=1.0) == pytest.approx(np.array(exact, dtype=float), rel=1e-13)
