@@ -134,6 +134,9 @@ class _Balls:
         """Return a node as a function, from its arguments as functions."""
         if node.is_Add or node.is_Mul:
             join, terms = operator.add if node.is_Add else operator.mul, list(parts)
+            if len(terms) == 2:  # most of them, and faster so
+                left, right = terms
+                return lambda z, analytic: join(left(z, analytic), right(z, analytic))
             return lambda z, analytic: reduce(join, [term(z, analytic) for term in terms])
         first, *others = parts
         if node.is_Pow and others:

@@ -9,7 +9,7 @@ not is part of the error.
 from collections.abc import Callable
 from functools import lru_cache
 from itertools import chain
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import sympy as sp
@@ -25,8 +25,13 @@ from stickslip_sym.model.table import FrictionTable
 _OCTAVES = 40  # of the phase, to which panels shrink towards rest
 _NODES = 16
 _MOST_PARTS = 64  # of a panel: falls within a thousandth of their own speed are resolved
+_GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(_NODES)
+_DEGREES = np.arange(_NODES - 2, _NODES)
+_HIGHEST = (_DEGREES[:, None] + 0.5) * np.polynomial.legendre.legvander(_GAUSS, _NODES - 1).T[_DEGREES]
+"""From what the nodes of a panel add to an integral to the highest coefficients of Legendre's polynomials."""
 _Others: TypeAlias = tuple[Criterion, FrictionTable, bool, tuple[float, ...]]
 _Three: TypeAlias = tuple[FloatArray, FloatArray, FloatArray]
+_Four: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 _ROUNDING = 1e-14  # of the average of abs(mu')
 
 
@@ -68,50 +73,84 @@ def slope_between(law: FrictionLaw, V: FloatArray) -> FloatArray:
 
 
 def _settled(law: FrictionLaw, V: FloatArray, A: FloatArray, *others: *_Others) -> _Three:
-    """Return what is asked for once panels of half the width say the same; arguments as for `_summed`."""
-    average, size, off = _summed(law, V, A, *others, 1)
-    error, again, parts = np.full(V.size, np.inf), np.arange(V.size), 1
+    """Return what is asked for once polynomials follow it, or panels of half the width say the same.
+
+    Arguments are as for `_summed`.
+    """
+    average, size, off, error = _summed(law, V, A, *others, 1)
+    again, parts = np.flatnonzero(~(error <= SAME * np.abs(average))), 1
     while again.size and parts < _MOST_PARTS:
         parts *= 2
-        finer, size[again], off[again] = _summed(law, V[again], A[again], *others, parts)
+        finer, size[again], off[again], _ = _summed(law, V[again], A[again], *others, parts)
         error[again] = np.abs(finer - average[again])
         average[again] = finer
-        again = again[error[again] > SAME * np.abs(finer)]
+        again = again[~(error[again] <= SAME * np.abs(finer))]
     return average, error + off + _ROUNDING * size, size
 
 
 def _summed(
     law: FrictionLaw, V: FloatArray, A: FloatArray, criterion: Criterion, table: FrictionTable, own: bool,
     parting: tuple[float, ...], parts: int,
-) -> _Three:  # fmt: skip
-    """Return averages of -mu' and of abs(mu'), and what the sum of slopes is off, each in s/m.
+) -> _Four:  # fmt: skip
+    """Return averages of -mu' and of abs(mu'), what the sum of slopes is off, and tails, each in s/m.
 
     - `V`, `A`: columns.
     - `own`: whether the table is that of the law, and not of one which it is the derivative of.
     - `parting`: where panels end, as parts of the range of slip speeds.
+
+    A tail is what the highest two polynomials through the nodes of each panel hold, summed.
     """
-    ends, theta, weight = _graded(parts, parting)
-    slope = law.at_speeds(V * ((1 - A) + 2 * A * np.sin(theta / 2) ** 2), derivative=True)
-    share = weight * np.sin(theta)  # of s = (v - V)/(V A)
-    weighted = share * _weight(criterion, theta)
+    panels = _graded(criterion, parts, parting)
+    slope = law.at_speeds(V * ((1 - A) + 2 * A * panels.squares), derivative=True)
     # No product of matrices: threads would wait for each other longer than they work.
-    average, size = -(slope * weighted).sum(axis=1), (np.abs(slope) * np.abs(weighted)).sum(axis=1)
+    fall = slope * panels.weighted
+    average, size = -fall.sum(axis=1), np.abs(fall).sum(axis=1)
+    tails = np.abs(np.einsum("...j,kj->...k", fall.reshape(len(V), -1, _NODES), _HIGHEST)).sum(axis=(1, 2))
     if not own:
-        return average, size, 0.0 * average
-    speeds = V * ((1 - A) + 2 * A * np.sin(ends / 2) ** 2)
+        return average, size, 0.0 * average, tails
+    speeds = V * ((1 - A) + 2 * A * panels.ends)
     rises = np.diff(table.values(speeds), axis=1)
+    heights = panels.heights
     for kink, jump in zip(table.kinks, table.jumps[1:].tolist(), strict=True):
         if jump and parting and speeds[0, 0] < kink < speeds[0, -1]:
             at = int(np.abs(speeds[0] - kink).argmin())
-            height = jump * _weight(criterion, ends[at]) / (V * A)[:, 0]
+            height = jump * heights[at] / (V * A)[:, 0]
             average, size = average - height, size + np.abs(height)
             rises[:, at - (speeds[0, at] >= kink)] -= jump  # of the panel on whose side rounding put the end
     # Slopes at rounded speeds do not add up to the rise where mu is steep; the rise is what counts there.
-    lack = rises / (V * A) - (slope * share).reshape(len(V), -1, _NODES).sum(axis=2)
-    heights = _weight(criterion, ends)
+    lack = rises / (V * A) - (slope * panels.share).reshape(len(V), -1, _NODES).sum(axis=2)
     average -= (lack * (heights[1:] + heights[:-1]) / 2).sum(axis=1)
     off = (np.abs(lack) * np.abs(np.diff(heights))).sum(axis=1)
-    return average, size, np.where(speeds[:, -1] <= table.end, off, np.inf)
+    return average, size, np.where(speeds[:, -1] <= table.end, off, np.inf), tails
+
+
+class _Panels(NamedTuple):
+    """Panels in the phase theta, and Gauss's nodes on each, as parts of the range of slip speeds.
+
+    - `ends`, `squares`: sin(theta/2)^2 at the ends of the panels, and at the nodes.
+    - `share`: of each node of s = (v - V)/(V A).
+    - `weighted`: times the weight of the criterion.
+    - `heights`: that weight at the ends.
+    """
+
+    ends: FloatArray
+    squares: FloatArray
+    share: FloatArray
+    weighted: FloatArray
+    heights: FloatArray
+
+
+@lru_cache(maxsize=32)
+def _graded(criterion: Criterion, parts: int, parting: tuple[float, ...]) -> _Panels:
+    """Return panels that are graded towards rest, each cut into parts."""
+    whole = np.unique([0.0, *np.pi * 2.0 ** np.arange(-_OCTAVES, 1), *2 * np.arcsin(np.sqrt(parting))])
+    ends = np.interp(np.arange(parts * (whole.size - 1) + 1) / parts, np.arange(whole.size), whole)
+    half = np.diff(ends)[:, None] / 2
+    theta = (ends[:-1, None] + half * (1 + _GAUSS)).ravel()
+    share = (half * _WEIGHTS).ravel() * np.sin(theta)
+    squares, at_ends = np.sin(theta / 2) ** 2, np.sin(ends / 2) ** 2
+    weights, heights = (_weight(criterion, phases) for phases in (theta, ends))
+    return _Panels(at_ends, squares, share, share * weights, heights)
 
 
 def _weight(criterion: Criterion, theta: FloatArray) -> FloatArray:
@@ -124,13 +163,3 @@ def _weight(criterion: Criterion, theta: FloatArray) -> FloatArray:
 def _function(criterion: Criterion) -> Callable[[FloatArray, FloatArray], Any]:
     p, q = sp.symbols("p q", positive=True)
     return function_of([p, q], criterion.from_ends(p, q), "numpy")
-
-
-@lru_cache(maxsize=32)
-def _graded(parts: int, parting: tuple[float, ...]) -> _Three:
-    """Return the ends of the panels, each cut into parts, and their nodes and weights."""
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-    whole = np.unique([0.0, *np.pi * 2.0 ** np.arange(-_OCTAVES, 1), *2 * np.arcsin(np.sqrt(parting))])
-    ends = np.interp(np.arange(parts * (whole.size - 1) + 1) / parts, np.arange(whole.size), whole)
-    half = np.diff(ends)[:, None] / 2
-    return ends, (ends[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()

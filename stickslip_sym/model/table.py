@@ -205,6 +205,8 @@ class FrictionTable:
         low, high, phases = (
             np.asarray(of, np.float64)[..., None] for of in np.broadcast_arrays(low, high, phases)
         )
+        if not self.narrow.size:
+            return high[..., 0] <= self.end
         shares = (self.narrow.T - low[..., None]) / (high - low)[..., None]
         begin, end = np.moveaxis(2 * np.arcsin(np.sqrt(np.clip(shares, 0.0, 1.0))), -2, 0)
         missed: BoolArray = (begin < end) & (end - begin < np.pi / phases)
@@ -263,6 +265,7 @@ class _Segment:
     - `derivative`: whether it is one of a derivative by a parameter.
     - `changes`: speeds and widths at which it varies quickly, a column for each.
     - `slopes`: mu' in several forms, as functions of balls.
+    - `cuts`: how often the range that was bounded last had to be halved.
     - `is_rough`: whether it varies too often to be tabulated to its end.
     """
 
@@ -273,6 +276,7 @@ class _Segment:
     derivative: bool
     changes: FloatArray = field(default_factory=lambda: np.empty((2, 0)))
     slopes: list[BallFunction] = field(default_factory=list)
+    cuts: int = 0
     is_rough: bool = False
 
     def read(self, expr: Expr, point: Mapping[Expr, Expr]) -> None:
@@ -341,14 +345,35 @@ class _Segment:
         return hidden
 
     def is_sure(self, low: float, high: float, steepest: float, cuts: int = _CUTS) -> bool:
-        """Whether balls show that abs(mu') is at most so steep on a range."""
+        """Whether balls show that abs(mu') is at most so steep on a range, halved at most so often.
+
+        Ranges that are looked at one after another are much alike: each is cut at once as the last had to be.
+        """
+        first, highest = min(self.cuts, cuts), 0.0
+        ends = [*(low + (high - low) * part / 2**first for part in range(2**first)), high]
+        waiting = [(*pair, first) for pair in pairwise(ends)]
+        while waiting and self.slopes:
+            low, high, halvings = waiting.pop()
+            bound = self.bound(low, high, steepest)
+            highest = max(highest, bound)
+            if not bound <= steepest:
+                if halvings == cuts:
+                    return False
+                self.cuts, middle = halvings + 1, (low + high) / 2
+                waiting += [(low, middle, halvings + 1), (middle, high, halvings + 1)]
+        if 2 * highest <= steepest:
+            self.cuts = max(0, first - 1)
+        return True
+
+    def bound(self, low: float, high: float, enough: float) -> float:
+        """Return a bound of abs(mu') on a range: the first that is small enough, else an infinite one."""
         speeds = acb(arb(low).union(arb(high)))
-        bounds = (slope(speeds, False).real.abs_upper() for slope in self.slopes)
-        if not self.slopes or any(bound.is_finite() and float(bound) <= steepest for bound in bounds):
-            return True
-        middle = (low + high) / 2
-        halves = (low, middle), (middle, high)
-        return cuts > 0 and all(self.is_sure(*half, steepest, cuts - 1) for half in halves)
+        for number, slope in enumerate(self.slopes):
+            size = slope(speeds, False).real.abs_upper()
+            if size.is_finite() and float(size) <= enough:
+                self.slopes.insert(0, self.slopes.pop(number))  # the form of the formula that is asked first
+                return float(size)
+        return math.inf
 
 
 @lru_cache(maxsize=256)  # laws with other values share them

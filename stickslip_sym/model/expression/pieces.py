@@ -5,7 +5,7 @@ functions) knows one kind of kink only, one in a term, and knows exactly where i
 """
 
 from collections.abc import Mapping, Sequence
-from functools import reduce
+from functools import lru_cache, reduce
 from typing import NamedTuple, TypeAlias
 
 import sympy as sp
@@ -103,9 +103,10 @@ def pieces_of(term: Expr) -> tuple[list[Expr], list[Expr]]:
     return list(pieces), list(ends[:-1])
 
 
-def places(expr: Expr) -> list[Expr]:
+@lru_cache(maxsize=256)  # laws with other values share them
+def places(expr: Expr) -> tuple[Expr, ...]:
     """Return the places of all kinks and jumps in an expression, as they stand there."""
-    return list(dict.fromkeys(end for node in kinked(expr) for _, end in _ends(node) if end is not None))
+    return tuple(dict.fromkeys(end for node in kinked(expr) for _, end in _ends(node) if end is not None))
 
 
 def kinks_at(expr: Expr, point: Mapping[Expr, Expr], what: str = "mu") -> list[Expr]:

@@ -152,6 +152,6 @@ def of_layer(law: FrictionLaw, V: FloatArray, strength: FloatArray, phases: Arra
     first = 2 * V * np.sin(np.pi / (4 * np.asarray(phases))) ** 2
     with np.errstate(all="ignore"):
         slopes = law.at_speeds(first[:, None] * squares, derivative=True)
-        height = law.at_speeds(first) - law.onset - first * (slopes @ shares)
+        height = FrictionTable.of(law).values(first) - first * (slopes @ shares)
     found: FloatArray = (strength * height / V) ** 2 / (2 * np.pi)
     return found

@@ -305,8 +305,8 @@ def _by_expansion(points: OperatingPoints, rtol: float) -> Computed:
         error = points.relative(resolution + more + ROUNDING * points.slope_scale, value)
         # The orbit goes beyond 2 V by its overtones, to where the expansion does not look.
         beyond = points.V * (2 + strength * weak.overtones + _BESIDE)
-        first = min(map(float, points.law.kinks()), default=math.inf)
-        smooth = FrictionTable.of(points.law).resolved(2 * points.V, beyond, 1) & (beyond < first)
+        table = FrictionTable.of(points.law)
+        smooth = table.resolved(2 * points.V, beyond, 1) & (beyond < min(table.kinks, default=math.inf))
         error[~smooth] = np.inf
     return Computed(value, np.where(np.isfinite(value) & ~np.isnan(error), error, np.inf))
 
