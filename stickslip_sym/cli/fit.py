@@ -53,7 +53,7 @@ def fitted(file: Path, laws: Sequence[ss.FrictionLaw], given: Given) -> Fits:
     given.all_used()
     measured = ss.read_measurements(file, **reading)
     if given.command != "fit":  # whose answer begins with it
-        click.echo(measured.understood, err=True)
+        click.echo(f"{measured.preview()}\n", err=True)
     with counted("laws") as progress:
         return ss.fit(measured, laws=laws, progress=progress)
 

@@ -120,7 +120,7 @@ def law_described(given: Given | Mapping[str, Any], text: str | None) -> ss.Fric
         if text is not None:
             raise InputError(f"the law is given twice, as {text!r} and by --from-csv; give it once")
         measured = ss.read_measurements(file, **reading_of(given))
-        click.echo(measured.averaged().understood, err=True)  # beside JSON, not in it
+        click.echo(f"{measured.averaged().preview()}\n", err=True)  # beside JSON, not in it
         law = ss.FrictionLaw.from_csv(
             measured, extrapolate=given["extrapolate"], source=given["source"], name=given["name"]
         )

@@ -171,7 +171,8 @@ class Measurements(Drawn):
             scatter = float(np.sqrt(np.sum((self.mu - mean[index]) ** 2) / (len(self) - len(speeds))))
             said = f"scatter {scatter:.2g} about the means"
         understood = f"{self.understood}; averaged at {len(speeds)} speeds, {said}"
-        return Measurements(speeds, mean, scatter / np.sqrt(total), understood, self.name, source=self.source)
+        deviations = scatter / np.sqrt(total)
+        return replace(self, v=speeds, mu=mean, sigma=deviations, understood=understood, order=None, counts=None)
 
     def binned(self, count: int) -> "Measurements":
         """Return the means of `count` bins of speed, with as many rows in each as nearly as can be.
