@@ -17,7 +17,7 @@ from stickslip_sym.output import files
 @options.command(
     click.Argument(["file"], type=Path, required=True, metavar="FILE"),
     options.FILE_OF_MEASUREMENTS,
-    options.file_option("--csv", help="Write columns v in m/s, mu and sigma."),
+    options.file_option("--csv", help="Write v in m/s, mu and sigma, rows in the order of the file."),
     options.plot_option("Draw the measurements"),
 )
 def run(given: Given) -> None:
@@ -28,7 +28,9 @@ def run(given: Given) -> None:
     csv, plot = given["csv"], given["plot"]
     measured = ss.read_measurements(given["file"], **reading_of(given))
     if csv is not None:
-        files.write_csv(csv, {"v [m/s]": measured.v, **dict(list(measured.columns.items())[1:])})
+        rows = slice(None) if measured.order is None else measured.order.argsort()  # as swept: branches stay
+        (_, speeds), *others = measured.columns.items()
+        files.write_csv(csv, {"v [m/s]": speeds[rows]} | {name: column[rows] for name, column in others})
     if plot is not None:
         measured.plot(plot)
     echo_all(given, [{"measured": measured, "columns": measured.columns}], [measured.preview()])

@@ -20,6 +20,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.laws import laws as catalogue
 from stickslip_sym.model.measured.measurements import Measurements
+from stickslip_sym.model.measured.noise import correlation_of
 
 _STARTS = 4  # different ones; for most laws the best few of the trials lead to one minimum
 _MANY = 1000  # rows, from which starts lead to a minimum of the means of bins, and the best to one of all rows
@@ -31,10 +32,7 @@ _LOOSE = 0.5  # relative standard error of a positive parameter that is worth a 
 _MIXED = 0.1  # part in the direction without effect, over the largest: smaller parts are not named
 _ALIKE = 0.999  # correlation of two parameters that is worth a warning
 _UNLIKELY = 1e-3  # probability of what residuals show, if what is assumed of them holds, that is worth a warning
-_CORRELATED = 2.7  # standard deviations of a partial correlation of white noise, above which noise is correlated
-_LAGS = 4  # rows apart, up to which noise may be correlated: as many sweeps may be interleaved
 _FEWEST = 8  # rows, up to which no correlation stands out
-_MOST_CORRELATED = 0.95  # beyond it the rows are too few to tell noise from a trend
 _JUMPS = 1e-6  # of the largest mu, between just below and just above a place
 _BESIDE = 1e-9  # relative distance of such speeds
 _RIVAL = 9.0  # rise of chi-squared, below which the noise may have chosen between two minima
@@ -82,6 +80,10 @@ def fit(
     declared positive stay so. Laws with mu(0) = 0 are fitted only where the speeds reach below the one at which
     their friction has built up. Noise that is correlated along the file or along the speed, up to four rows apart,
     widens the standard errors; what is assumed of it is `Fit.noise`.
+
+    Where the speed rises and falls, and branches differ, the law is that of their mean: the hysteresis, a
+    polynomial in the share of rows below a speed, has factors of its own, which are
+    eliminated; so has an offset of directions.
 
     References
     ----------
@@ -148,9 +150,10 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
     """Return the fit of a law's free parameters, or refuse one that these measurements do not determine."""
     problem = Problem(law, measured)
     names, count, k = problem.names, len(measured), len(problem.names)
+    settled = k + measured.differences
     if k == 0:
         raise InputError("it has no parameter without a value")
-    if len(measured.speeds) < k or count < k + 2:
+    if len(measured.speeds) < k or count < settled + 2:
         rows = f"{count} rows at {len(measured.speeds)} speed{'s' * (len(measured.speeds) != 1)}"
         raise InputError(f"it has {k} free parameter{'s' * (k > 1)}, and {rows} are too few")
     best, rivals = _best(problem)
@@ -174,9 +177,9 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
         strength[smooth] = sizes * p[smooth]
         raise _undetermined(names, place[part > _MIXED * part.max()], strength)
     _require_rise(law.bind(**values), measured)
-    noise = _noise_of(problem.residuals(p), measured, k)
+    noise = _noise_of(problem.residuals(p), measured, settled)
     inflation = noise.inflation
-    dof = max(count / inflation - k, 1.0)
+    dof = max(count / inflation - settled, 1.0)
     root = rows_of_v.T / singular / sizes[:, None]  # of (J^T J)^-1
     covariance = np.zeros((k, k))
     covariance[np.ix_(smooth, smooth)] = inflation * (root @ root.T)
@@ -297,34 +300,12 @@ def _noise_of(residuals: FloatArray, measured: Measurements, k: int) -> _Noise:
     rounding = SAME * np.max(np.abs(measured.weights * measured.mu))
     if len(residuals) <= _FEWEST or np.max(np.abs(residuals)) <= rounding:
         return _Noise()
-    along_speed = _Noise(*_correlation(residuals, k), "along the speed")
+    along_speed = _Noise(*correlation_of(residuals, k), "along the speed")
     if measured.order is None:
         return along_speed
-    along_file = _Noise(*_correlation(residuals[np.argsort(measured.order)], k), "along the file")
+    along_file = _Noise(*correlation_of(residuals[np.argsort(measured.order)], k), "along the file")
     stronger = along_file if along_file.inflation >= along_speed.inflation else along_speed
     return stronger._replace(along_the_file=along_file.inflation)
-
-
-def _correlation(e: FloatArray, k: int) -> tuple[float, float, int]:
-    """Return how many residuals in a row count as one, and the partial correlation that says so, with its lag.
-
-    The noise is autoregressive, of the order up to four, with a partial correlation that white noise would not
-    show, that leaves the fewest. By Levinson's and Durbin's recursion; 1, 0 and 0 if there is none.
-    """
-    count, found = len(e), (1.0, 0.0, 0)
-    deviation = np.sqrt(count) / (count - 3)
-    weights, left, r = np.zeros(0), 1.0, np.zeros(0)
-    for lag in range(1, min(_LAGS, count // 4) + 1):
-        # The k parameters follow part of the noise, which so seems less correlated by about (k + 3 r)/n.
-        r = np.append(r, (float(np.sum(e[lag:] * e[:-lag]) / np.sum(e**2)) * count + k) / (count - 3))
-        partial = float(np.clip((r[-1] - weights @ r[-2::-1]) / left, -_MOST_CORRELATED, _MOST_CORRELATED))
-        weights = np.append(weights - partial * weights[::-1], partial)
-        left *= 1 - partial**2
-        gain = max(1 - float(weights.sum()), 1 - _MOST_CORRELATED)
-        inflation = min(left / gain**2, (1 + _MOST_CORRELATED) / (1 - _MOST_CORRELATED))
-        if partial > _CORRELATED * deviation and inflation > found[0]:
-            found = inflation, partial, lag
-    return found
 
 
 def _require_rise(law: FrictionLaw, measured: Measurements) -> None:
@@ -372,7 +353,8 @@ def _warnings(
                 f"{names[i]} and {names[j]} are hardly distinguished, correlation {alike:.4f}; fix one: "
                 f"law.bind({names[j]}=...)"
             )
-    count, dof, inflation = len(measured), len(measured) - len(names), noise.inflation
+    settled = len(names) + measured.differences
+    count, dof, inflation = len(measured), len(measured) - settled, noise.inflation
     if noise.lag:
         apart = "successive rows" if noise.lag == 1 else f"rows {noise.lag} apart"
         yield (
@@ -393,9 +375,15 @@ def _warnings(
             f"{size}: sigma is too large; if each mu is the mean of n values,{means} and sigma is the standard "
             "deviation of one value, sigma/sqrt(n) belongs in its place; standard errors rest on it"
         )
+    branches = measured.branches
+    if branches is not None and branches.differ and branches.alone:
+        yield (
+            f"{branches.alone}: elsewhere they differ, and the law is that of their mean; measure both branches "
+            "at all speeds, or fit the rows of one"
+        )
     means_of_speeds = measured.averaged()
     _, index = np.unique(measured.v, return_inverse=True)
-    scatter = float(np.sum((measured.weights * (measured.mu - means_of_speeds.mu[index])) ** 2))
+    scatter = float(np.sum((measured.weights * (measured.means - means_of_speeds.mu[index])) ** 2))
     repeats, shapes = count - len(means_of_speeds), len(means_of_speeds) - len(names)
     if repeats > 0 and shapes > 0 and scatter > 0:
         ratio = (chi_squared - scatter) / shapes / (scatter / repeats)

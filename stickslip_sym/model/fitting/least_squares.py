@@ -45,7 +45,10 @@ class Minimum(NamedTuple):
 
 
 class Problem:
-    """The least squares of a law and measurements: residuals are divided by sigma where it is known."""
+    """The least squares of a law and measurements: residuals are divided by sigma where it is known.
+
+    Differences between branches and directions have factors of their own, which are eliminated.
+    """
 
     def __init__(self, law: FrictionLaw, measured: Measurements) -> None:
         self.law, self.measured = law, measured
@@ -68,12 +71,13 @@ class Problem:
         self.linear = np.array([symbol in linear for symbol in free], dtype=bool)
         self._units = [used[name].unit for name in self.names]
         self._v, self._weights = np.maximum(measured.v, _AT_REST), measured.weights
+        self._mu = measured.beside_branches(self._weights * measured.mu)
         self.sought = np.flatnonzero(~self.linear).tolist()
         self.features = features_of(law.expr, free, bound, self.sought, measured.speeds)
 
     def residuals(self, p: FloatArray) -> FloatArray:
         """Return the measured less the fitted coefficients, times the weights; NaN where mu is not real."""
-        return np.asarray(self._weights * self.measured.mu - self._weighted(self._value, p)[0])
+        return np.asarray(self._mu - self._weighted(self._value, p)[0])
 
     def jacobian(self, p: FloatArray) -> FloatArray:
         """Return the derivatives of the fitted coefficients to the parameters, times the weights: shape (n, k)."""
@@ -86,7 +90,8 @@ class Problem:
                 p if len(shape) == 1 else [np.broadcast_to(one, shape) for one in p]
             )  # conditions have one shape
             values = function(np.broadcast_to(self._v, shape), *grids, *self.known)
-            return np.array([self._weights * reals(np.broadcast_to(one, shape)) for one in values])
+            rows = np.array([self._weights * reals(np.broadcast_to(one, shape)) for one in values])
+            return self.measured.beside_branches(rows)
 
     def minimum(self, start: FloatArray) -> Minimum | None:
         """Return the minimum that a start leads to, kinks and jumps in the best gap near; None without one."""
@@ -158,7 +163,7 @@ class Problem:
         size, misfits = max(1, _BATCH // len(self._v)), list[FloatArray]()
         for first in range(0, len(points), size):
             columns = list(np.where(self.linear, 0.0, points[first : first + size]).T[:, :, None])
-            target = self._weights * self.measured.mu - self._weighted(self._value, columns)[0]
+            target = self._mu - self._weighted(self._value, columns)[0]
             left = np.sum(target**2, axis=1)
             if self.linear.any():
                 matrix = np.nan_to_num(self._weighted(self._basis, columns).transpose(1, 2, 0))

@@ -51,20 +51,13 @@ def band(law: FrictionLaw, v: FloatArray, quantile: float = NORMAL) -> tuple[Flo
     return mu - half, mu + half
 
 
-def draw_points(ax: Any, measured: Measurements, y: FloatArray, **look: Any) -> None:
-    """Draw a value for each measured row, with its standard deviation where it is known."""
-    if measured.sigma is not None:
-        ax.errorbar(measured.v, y, measured.sigma, fmt="none", ecolor="0.35", elinewidth=0.6, alpha=0.6)
-    ax.plot(measured.v, y, ".", color="0.35", markersize=3.5, **look)
-
-
 def draw_law(
     ax: Any, law: FrictionLaw, top: float, measured: Measurements | None, band: Band | None, label: str
 ) -> None:
     """Draw mu up to a slip speed, with the 95 % band that a function of speeds gives, and what was measured."""
     v = np.unique([*np.linspace(0, top, 300), *np.geomspace(1e-4, 1, 100) * top])[1:]
     if measured is not None:
-        draw_points(ax, measured, measured.mu, label="measured")
+        measured.draw_rows(ax, measured.mu)
     if band is not None:
         ax.fill_between(v, *band(v), color="#56B4E9", alpha=0.45, linewidth=0, label="95 % band")
     ax.plot(v, law.at_speeds(v), color=BLUE, linewidth=1.6, label=label)
@@ -161,7 +154,8 @@ class Fit(_Report):
     @property
     def sigma(self) -> float:
         """Residual standard deviation of mu: the root of sum (mu_i - mu(v_i))^2 / (n - k)."""
-        return float(np.sqrt(np.sum(self.residuals**2) / (len(self.measured) - len(self.values))))
+        settled = len(self.values) + self.measured.differences
+        return float(np.sqrt(np.sum(self.residuals**2) / (len(self.measured) - settled)))
 
     @property
     def variance(self) -> float:
@@ -170,8 +164,10 @@ class Fit(_Report):
 
     @cached_property
     def residuals(self) -> FloatArray:
-        """Measured less fitted coefficients, of shape (n,)."""
-        return np.asarray(self.measured.mu - self.law.at_speeds(self.measured.v))
+        """Measured less fitted coefficients, and less what branches and directions differ by, of shape (n,)."""
+        weights = self.measured.weights
+        left = weights * (self.measured.mu - self.law.at_speeds(self.measured.v))
+        return np.asarray(self.measured.beside_branches(left) / weights)
 
     @cached_property
     def uncertain(self) -> dict[str, UFloat]:
@@ -291,6 +287,8 @@ class Fit(_Report):
             rows.append([name, value, interval(low, high), self.law.parameters[name].unit or ""])
         about = f"residual standard deviation {self.sigma:.3g}, AICc {self.aicc:.6g}, weight {self.weight:.2g}"
         about += f"; {self.noise}" * bool(self.noise)
+        if self.measured.branches is not None and self.measured.branches.differ:
+            about += "; the law is that of the mean of rising and falling branches"
         law = f"{f'{self.name}: ' if self.law.name else ''}mu(v) = {self.law.text}"
         header = ["parameter", "value", "95 % interval", "unit"]
         return [law, (header, rows), about, *(f"warning: {text}" for text in self.warnings)]
@@ -308,7 +306,7 @@ class Fit(_Report):
         figure: Figure
         figure, ((above,), (below,)) = new_figure(6.4, 5.0, 2, sharex=True, height_ratios=[3, 1])
         draw_law(above, self.law, self.measured.v[-1], self.measured, self.band, self.name[:60])
-        draw_points(below, self.measured, self.residuals)
+        self.measured.draw_rows(below, self.residuals)
         below.axhline(0, color=BLUE, linewidth=1)
         finish(below, xlabel=above.get_xlabel(), ylabel="residual")
         above.set_xlabel("")
@@ -466,7 +464,7 @@ class Fits(_Report, Sequence[Fit]):
 def _aicc(fit: Fit, inflation: float) -> float:
     """Return Akaike's criterion, corrected for few rows, where so many correlated rows count as one."""
     count, known = len(fit.measured), fit.measured.sigma is not None
-    k = len(fit.values) if known else len(fit.values) + 1  # an unknown sigma is one more parameter
+    k = len(fit.values) + fit.measured.differences + (not known)  # an unknown sigma is one more parameter
     if count - k - 1 <= 0:
         return math.inf
     deviance = fit.chi_squared if known else count * math.log(max(fit.chi_squared, 1e-300) / count)

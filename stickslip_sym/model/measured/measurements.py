@@ -5,15 +5,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from fractions import Fraction
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
+from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, Rows
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import Number, fraction, read_array, real, require_type
+from stickslip_sym.model.measured.branches import Branches, branches_of
 from stickslip_sym.model.measured.table import Table, read_table
 from stickslip_sym.output import markup
 from stickslip_sym.output.drawing import Drawn, finish, picture
@@ -34,6 +36,7 @@ _RISES = 4.0  # times what friction changes between rows beside an outlier, whic
 _ROBUST = 1.4826 / 1.5**0.5  # standard deviation over the median of |mu_i - (mu_i-1 + mu_i+1)/2|
 _RESOLUTION = 0.01  # of mu: smaller steps are no outliers, however even the other rows are
 _SHOWN = 5  # rows of a preview
+_MOST_MARKS = 5000  # in a picture, beyond which they are drawn as an image and not each by itself
 _SMOOTH = "mu is more than 6 robust standard deviations off a smooth curve; keep such rows by keep_outliers=True"
 _OTHERS = {"sigma_mu": "sigma", "sigma_F_t": "sigma of F_t", "n": "n"}
 
@@ -62,9 +65,11 @@ class Measurements(Drawn):
         The file and its date.
     written : str
         How the file is written: what parts its columns, and its decimal sign.
+    branches : Branches or None
+        Where the speed rises and falls, or both directions were measured: by how much mu differs between them.
     """
 
-    reported = ("understood", "written", "source")
+    reported = ("understood", "written", "source", "branches")
 
     v: FloatArray
     mu: FloatArray
@@ -75,6 +80,7 @@ class Measurements(Drawn):
     counts: FloatArray | None = None
     source: str = ""
     written: str = ""
+    branches: Branches | None = None
 
     @classmethod
     def of(cls, v: ArrayLike, mu: ArrayLike, sigma: ArrayLike | None = None) -> "Measurements":
@@ -104,7 +110,20 @@ class Measurements(Drawn):
         order = np.argsort(speeds, kind="stable")
         known = None if deviations is None else np.broadcast_to(deviations, speeds.shape)[order]
         rows = f"{len(speeds)} rows{'' if sigma is None else ' with sigma'}"
-        return cls(speeds[order], coefficients[order], known, rows, order=order)
+        return cls(speeds[order], coefficients[order], known, rows, order=order).in_branches()
+
+    def in_branches(self, direction: IntArray | None = None) -> "Measurements":
+        """Return the measurements with what their order says of branches, and an offset of directions removed.
+
+        `direction` is 1 or -1, or 0 for a row without one.
+        """
+        if self.order is None:
+            return self
+        branches = branches_of(self.v, self.mu, self.weights, self.order, direction)
+        if branches is None:
+            return self
+        mu = self.mu if direction is None else self.mu - branches.offset * direction
+        return replace(self, mu=mu, understood=f"{self.understood}, {branches}", branches=branches)
 
     def __len__(self) -> int:
         return len(self.v)
@@ -140,9 +159,26 @@ class Measurements(Drawn):
 
     def draw(self, ax: "Axes") -> "Sequence[Artist]":
         """Draw mu of the slip speed in a panel, and return the handles of its legend."""
-        shown = ax.errorbar(self.v, self.mu, self.sigma, fmt=".", color="0.35", markersize=3.5, label="measured")
+        shown = self.draw_rows(ax, self.mu)
         finish(ax, xlabel="slip speed $v$ (m/s)", ylabel=r"coefficient of friction $\mu$")
-        return [shown]  # type: ignore[list-item]  # a container of artists
+        return shown
+
+    def draw_rows(self, ax: "Axes", y: FloatArray) -> "list[Artist]":
+        """Draw a value for each row with its standard deviation, rising and falling branches apart."""
+        shown, drawn = list["Artist"](), len(self) > _MOST_MARKS
+        if self.sigma is not None:
+            ax.errorbar(
+                self.v, y, self.sigma, fmt="none", ecolor="0.35", elinewidth=0.6, alpha=0.6, rasterized=drawn
+            )
+        kinds: list[tuple[str, str, str, Rows]] = [("measured", ".", "0.35", slice(None))]
+        if self.branches is not None and self.branches.rising:
+            sweep = self.branches.sweep
+            kinds = [("rising speed", "^", "#D55E00", sweep > 0), ("falling speed", "v", "#009E73", sweep < 0)]
+        for label, marker, color, rows in kinds:
+            shown += ax.plot(
+                self.v[rows], y[rows], marker, color=color, markersize=3.5, label=label, rasterized=drawn
+            )
+        return shown
 
     @property
     def speeds(self) -> FloatArray:
@@ -154,8 +190,33 @@ class Measurements(Drawn):
         """What multiplies each residual in a sum of squares: 1/sigma where it is known, else 1."""
         return np.ones(len(self)) if self.sigma is None else 1 / self.sigma
 
+    @property
+    def means(self) -> FloatArray:
+        """Coefficients of the mean of rising and falling branches: mu less its hysteresis."""
+        return self.mu if self.branches is None else self.mu - self.branches.hysteresis
+
+    @cached_property
+    def _of_branches(self) -> FloatArray | None:
+        """Orthonormal columns of what differs between branches and directions, times the weights."""
+        if self.branches is None or not self.branches.terms.size:
+            return None
+        return np.linalg.qr(self.weights[:, None] * self.branches.terms).Q
+
+    @property
+    def differences(self) -> int:
+        """How many factors of differences between branches and directions the rows settle besides a law's."""
+        return 0 if self.branches is None else self.branches.terms.shape[1]
+
+    def beside_branches(self, rows: FloatArray) -> FloatArray:
+        """Return weighted values of rows, the last axis, without the part that branches and directions explain.
+
+        Least squares of what is left are those with factors of these differences free.
+        """
+        columns = self._of_branches
+        return rows if columns is None else np.asarray(rows - (rows @ columns) @ columns.T)
+
     def averaged(self) -> "Measurements":
-        """Return the measurements with one row for each speed: the mean of its rows.
+        """Return the measurements with one row for each speed: the mean of its rows, and of all branches.
 
         With `sigma` the mean is weighted by 1/sigma^2, and its standard deviation is that of the weighted mean.
         Without it the scatter of the rows of one speed about their mean, pooled over all speeds that repeat,
@@ -163,16 +224,25 @@ class Measurements(Drawn):
         """
         speeds, index = np.unique(self.v, return_inverse=True)
         if len(speeds) == len(self):
-            return self
+            return self if self.branches is None else replace(self, mu=self.means, branches=None)
         total = np.bincount(index, self.weights**2)
-        mean = np.bincount(index, self.weights**2 * self.mu) / total
+        mean = np.bincount(index, self.weights**2 * self.means) / total
         scatter, said = 1.0, "weighted by 1/sigma^2"
         if self.sigma is None:
-            scatter = float(np.sqrt(np.sum((self.mu - mean[index]) ** 2) / (len(self) - len(speeds))))
+            scatter = float(np.sqrt(np.sum((self.means - mean[index]) ** 2) / (len(self) - len(speeds))))
             said = f"scatter {scatter:.2g} about the means"
         understood = f"{self.understood}; averaged at {len(speeds)} speeds, {said}"
         deviations = scatter / np.sqrt(total)
-        return replace(self, v=speeds, mu=mean, sigma=deviations, understood=understood, order=None, counts=None)
+        return replace(
+            self,
+            v=speeds,
+            mu=mean,
+            sigma=deviations,
+            understood=understood,
+            order=None,
+            counts=None,
+            branches=None,
+        )
 
     def binned(self, count: int) -> "Measurements":
         """Return the means of `count` bins of speed, with as many rows in each as nearly as can be.
@@ -212,7 +282,8 @@ def read_measurements(
     a speed, ``v [mm/s]``, and a coefficient, ``mu``, or forces, ``F_t [N]`` and ``F_n [N]``; a standard deviation,
     ``sigma``, if there is one. Other columns are left out. Without a header there are two columns, v in m/s and
     mu. Lines that begin with # or % are comments. Rows may come in any order; speeds and forces may have both
-    signs, which are folded.
+    signs, which are folded, and an offset between the directions removed. Rising and falling branches are
+    recognised, and how much they differ is `Measurements.branches`.
 
     Parameters
     ----------
@@ -270,7 +341,7 @@ def read_measurements(
         )
     path = Path(path)
     table = read_table(path, columns or {}, track, leave_out=leave_out)
-    v, mu, sigma, notes = _fold(table, track or Fraction(1))
+    v, mu, sigma, direction, notes = _fold(table, track or Fraction(1))
     order = np.argsort(v, kind="stable")
     order = order[(v[order] >= low) & (v[order] <= high)]
     if not len(order):
@@ -295,6 +366,7 @@ def read_measurements(
     rows = f"{len(order)} row{'s' * (len(order) != 1)}"
     understood = ", ".join([rows, *_columns_in_words(table), *notes])
     read = Measurements(v[order], mu[order], sigma, understood, path.stem, order, counts, source, table.written)
+    read = read.in_branches(direction[order])
     return read if bins is None else read.binned(bins)
 
 
@@ -337,8 +409,8 @@ def _outliers(v: FloatArray, y: FloatArray) -> BoolArray:
     return np.asarray(np.where(i < _BESIDE, first, (y < low - slack) | (y > high + slack)) & ~far)
 
 
-def _fold(table: Table, radius: Fraction) -> tuple[FloatArray, FloatArray, FloatArray | None, list[str]]:
-    """Return slip speeds in m/s, coefficients, their standard deviations, and what was done with signs."""
+def _fold(table: Table, radius: Fraction) -> tuple[FloatArray, FloatArray, FloatArray | None, IntArray, list[str]]:
+    """Return slip speeds in m/s, coefficients, standard deviations, directions, and what was done with signs."""
     friction, load = ("F_t", "F_n") if "F_t" in table.cells else ("mu", None)
     deviation = next((key for key in ("sigma_mu", "sigma_F_t") if key in table.cells), None)
     if deviation is not None:
@@ -349,35 +421,38 @@ def _fold(table: Table, radius: Fraction) -> tuple[FloatArray, FloatArray, Float
         signs = np.sign(table.floats(load))
         down = 1.0 if signs.sum() >= 0 else -1.0
         table.require(signs == down, load, "a normal force is not 0, and has one sign", "without a normal force")
-    small = np.abs(table.numbers(friction, load)) <= _LARGEST_MU
+    mu = down * table.numbers(friction, load)
     rule = f"a coefficient of friction is below {_LARGEST_MU:g}"
-    table.require(small, friction, rule, "with abs(mu) above 5")
-    v, mu = table.numbers("v", radius=radius), down * table.numbers(friction, load)
+    table.require(np.abs(mu) <= _LARGEST_MU, friction, rule, "with abs(mu) above 5")
+    v, mu = table.numbers("v", radius=radius), mu[np.abs(mu) <= _LARGEST_MU]
     if (fast := np.abs(v) > _FASTEST).any() and not table.columns["v"].unit_text:
         row = int(np.argmax(fast))
         raise InputError(
             f"{table.place(row, 'v')}: got v = {table.cells['v'][row]}; without a unit a speed is in m/s; write "
             "it, like v [mm/s]"
         )
-    mu, notes = _without_strokes(table, np.sign(v), mu, friction)
+    mu, direction, notes = _without_strokes(table, np.sign(v), mu, friction)
     sigma = None if deviation is None else np.abs(table.numbers(deviation, load if "F_t" in deviation else None))
-    return np.abs(v), mu + 0.0, sigma, notes  # -0.0 becomes 0.0
+    return np.abs(v), mu + 0.0, sigma, direction.astype(np.int64), notes  # -0.0 becomes 0.0
 
 
-def _without_strokes(table: Table, way: FloatArray, mu: FloatArray, friction: str) -> tuple[FloatArray, list[str]]:
-    """Return coefficients without the signs of strokes, and what to say of it.
+def _without_strokes(
+    table: Table, way: FloatArray, mu: FloatArray, friction: str
+) -> tuple[FloatArray, FloatArray, list[str]]:
+    """Return coefficients without the signs of strokes, the direction of each, and what to say of it.
 
     With the speed friction turns its sign. Signs that are noise stay: magnitudes would push small means up.
     """
     reverses = bool((way < 0).any() and (way > 0).any())
     notes = ["both signs of speed folded"] if reverses else []
     if (mu >= 0).all():
-        return mu, notes
+        return mu, way, notes
     along = way if reverses else np.ones_like(mu)
     below, above = (int((side * along * mu > 0).sum()) for side in (-1, 1))
     direction = -1 if below > above else 1
     if min(below, above) <= _FEW * (below + above):
-        return np.where(along == 0, np.abs(mu), direction * along * mu), notes  # a speed of 0 has no direction
+        folded = np.where(along == 0, np.abs(mu), direction * along * mu)  # a speed of 0 has no direction
+        return folded, way, notes
     if reverses:
         wrong = int(np.argmax(direction * along * mu < 0))
         raise InputError(
@@ -385,4 +460,4 @@ def _without_strokes(table: Table, way: FloatArray, mu: FloatArray, friction: st
             f"{table.cells['v'][wrong]} is along the motion, "
             "and in most rows it is against it; give friction the sign of the speed, or no sign"
         )
-    return np.abs(mu), [*notes, f"both signs of {friction} folded"]
+    return np.abs(mu), np.sign(mu), [*notes, f"both signs of {friction} folded"]

@@ -63,6 +63,8 @@ class Table:
     def numbers(self, quantity: str, per: str | None = None, radius: Fraction = Fraction(1)) -> FloatArray:
         """Return a column in SI units, or its ratio to another, rounded but once."""
         size = self.columns[quantity].size * radius / (self.columns[per].size if per else 1)
+        if size == 1 and per is None:
+            return self.floats(quantity)
         below = self.cells[per] if per else repeat("1", len(self.lines))
         with localcontext(prec=_PRECISION):
             factor = Decimal(size.numerator) / size.denominator
@@ -327,7 +329,8 @@ def _without_thousands(rows: Sequence[_Row], read: Iterable[int]) -> Sequence[_R
 
 def _decimal_sign(cells: Sequence[str], name: str) -> str:
     """Return the decimal sign of cells, or refuse both signs, or a comma that may stand between thousands."""
-    points, commas = ([cell for cell in cells if sign in cell and _is_number(cell)] for sign in ".,")
+    commas = [cell for cell in cells if "," in cell and _is_number(cell)]
+    points = [cell for cell in cells if "." in cell and _is_number(cell)] if commas else []
     if commas and (points or all(map(_THREE_DIGITS.fullmatch, commas))):
         raise InputError(
             f"{name}: the comma in {commas[0]!r} may be a decimal sign, or stand between thousands, as "

@@ -1,0 +1,251 @@
+"""Branches of sweeps: rising and falling speed, both directions, and by how much friction differs between them.
+
+Friction of a rising speed is above or below that of a falling one by its hysteresis, and a force sensor with an
+offset shows another coefficient in each direction. Beside a smooth curve of the speed both differences are linear
+in what is sought: an offset times the direction, and a polynomial of the speed, half of it for each branch.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from stickslip_sym.core.aliases import FloatArray, IntArray
+from stickslip_sym.core.uncertain import with_error
+from stickslip_sym.model.measured.noise import correlation_of
+
+_TURN = 0.1  # of the range of speeds: a smaller return of the speed is jitter, and ends no branch
+_FLAT = 0.02  # relative: rows this near to a turn's speed dwell there, half of them on each branch
+_FEWEST = 4  # speeds of a branch; rows in random order turn after one or two
+_IN_ORDER = 0.8  # share of the rows that belong to such branches where speeds were swept
+_HIGHEST = 4  # degree of the hysteresis in the share of rows below a speed
+_COLUMNS = 4, 30  # fewest and most columns of the smooth curve, one for `_ROWS` rows
+_ROWS = 6
+_COST = 2.0  # times log(n): the fall of n log(sum of squares) that a term is worth; noise does that once in 300
+_ROUNDING = 1e-9  # of the largest mu: smaller differences are no terms
+_SINGULAR = 1e-10  # relative size of a curve between knots where no speed lies
+_ALONE = 0.05  # share of the rows, of which less does not matter
+_APART = 1e-2  # least part of a term that no smooth curve of the speed is, for it to be told apart
+
+
+@dataclass(frozen=True, eq=False)
+class Branches:
+    """How rows of measurements were swept, and by how much branches and directions differ.
+
+    Attributes
+    ----------
+    rising, falling : int
+        Numbers of branches; 0 where speeds were not swept up and down.
+    sweep : ndarray of shape (n,)
+        1 for a row on a rising branch, -1 on a falling one, 0 where there are none.
+    terms : ndarray of shape (n, q)
+        The columns that differ between branches or directions, whose factors the measurements settle.
+    hysteresis : ndarray of shape (n,)
+        By how much mu of a row is above the mean of both branches.
+    gap, standard_error : float
+        By how much mu is larger on rising branches, on average.
+    offset : float
+        What was taken from mu in the direction of positive speed, and added in the other.
+    alone : str
+        Where rows are on rising or on falling branches only, so that their mean is not measured; empty if nowhere.
+    """
+
+    reported = ("rising", "falling", "gap", "standard_error", "offset", "alone")
+
+    rising: int
+    falling: int
+    sweep: IntArray
+    terms: FloatArray
+    hysteresis: FloatArray
+    gap: float = 0.0
+    standard_error: float = 0.0
+    offset: float = 0.0
+    alone: str = ""
+
+    @property
+    def differ(self) -> bool:
+        """Whether rising and falling branches differ."""
+        return bool(self.hysteresis.any())
+
+    def __str__(self) -> str:
+        said = []
+        if self.offset:
+            said.append(f"an offset of mu between the directions, {self.offset:.3g}, removed")
+        if self.rising:
+            counts = f"{self.rising} rising and {self.falling} falling branch{'es' * (self.falling > 1)}"
+            gap = with_error(abs(self.gap), self.standard_error)
+            above = "rising" if self.gap > 0 else "falling"
+            apart = f"{above} above by {gap} on average, their mean taken" if self.differ else "alike"
+            said.append(f"{counts}, {apart}" + f" ({self.alone})" * bool(self.alone and self.differ))
+        return ", ".join(said)
+
+
+def branches_of(
+    v: FloatArray, mu: FloatArray, weights: FloatArray, order: IntArray, direction: IntArray | None = None
+) -> Branches | None:
+    """Return how rows at ascending speeds, of which `order` says where they stood, were swept; None for one sweep.
+
+    `direction` is 1 or -1 where both directions were measured, and 0 for a row without one.
+    """
+    sweep, rising, falling = np.zeros(len(v), dtype=np.int64), 0, 0
+    in_turn = np.argsort(order)
+    sweep[in_turn], rising, falling = _sweeps(v[in_turn])
+    both = direction is not None and (direction > 0).any() and (direction < 0).any()
+    if not (rising or both):
+        return None
+    names, columns = list[str](), list[FloatArray]()
+    if direction is not None and both:
+        names.append("offset")
+        columns.append(direction.astype(np.float64))
+    if rising:
+        hysteresis = _terms(v, sweep)
+        names += ["hysteresis"] * len(hysteresis)
+        columns += hysteresis
+    none = Branches(rising, falling, sweep, np.zeros((len(v), 0)), np.zeros(len(v)))
+    smooth = weights[:, None] * _splines(v)
+    if not columns or len(v) < smooth.shape[1] + len(columns) + _FEWEST:
+        return none if rising else None
+    columns_of_curve, triangle = np.linalg.qr(smooth)
+    rotation, sizes, _ = np.linalg.svd(triangle)
+    curve = columns_of_curve @ rotation[:, sizes > _SINGULAR * sizes[0]]
+
+    def beside(rows: FloatArray) -> FloatArray:
+        rest: FloatArray = rows - curve @ (curve.T @ rows)
+        return rest
+
+    terms = weights[:, None] * np.array(columns).T
+    left = beside(terms)
+    y = beside(weights * mu)
+    apart = np.linalg.norm(left, axis=0) > _APART * np.linalg.norm(terms, axis=0)
+    n, best, chosen = len(v) - curve.shape[1], math.inf, list[int]()
+    if not apart.any():
+        return none if rising else None
+    all_terms = np.flatnonzero(apart)
+    rest = y - left[:, all_terms] @ np.linalg.lstsq(left[:, all_terms], y, rcond=None)[0]
+    floor = n * (_ROUNDING * float(np.max(np.abs(weights * mu)))) ** 2
+    alike = 1.0  # so many rows count as one
+    if rest @ rest > floor:
+        alike, _, _ = correlation_of(rest[in_turn], 0)
+    for tried in _choices(names):
+        if not apart[tried].all():
+            continue
+        rest = y - left[:, tried] @ np.linalg.lstsq(left[:, tried], y, rcond=None)[0]
+        score = n / alike * math.log(max(float(rest @ rest), floor)) + _COST * len(tried) * math.log(n)
+        if score < best:
+            best, chosen, variance = score, tried, float(rest @ rest) / (n - len(tried))
+    if not chosen:
+        return none if rising else None
+    factors = np.linalg.lstsq(left[:, chosen], y, rcond=None)[0]
+    covariance = alike * variance * np.linalg.inv(left[:, chosen].T @ left[:, chosen])
+    of_gap = np.array([names[i] == "hysteresis" for i in chosen])
+    raw = np.array(columns).T[:, chosen]
+    mean = np.mean(2 * sweep[:, None] * raw, axis=0) * of_gap
+    return Branches(
+        rising, falling, sweep, raw,
+        hysteresis=(raw * of_gap) @ factors,
+        gap=float(mean @ factors),
+        standard_error=float(np.sqrt(mean @ covariance @ mean)),
+        offset=float(np.sum(factors[~of_gap])),
+        alone=_alone(v, sweep),
+    )  # fmt: skip
+
+
+def _choices(names: Sequence[str]) -> list[list[int]]:
+    """Return which terms may be there: with the offset or without, and the hysteresis up to some degree."""
+    offset = [i for i, name in enumerate(names) if name == "offset"]
+    degrees = [i for i, name in enumerate(names) if name == "hysteresis"]
+    return [
+        first + degrees[:count] for count in range(len(degrees) + 1) for first in ([], offset)[: 1 + len(offset)]
+    ]
+
+
+def _sweeps(v: FloatArray) -> tuple[IntArray, int, int]:
+    """Return 1 for each row, in turn, of a rising branch and -1 of a falling one, and the numbers of both."""
+    ends = [0, *_turns(v), len(v)]
+    labels, counts, swept = np.zeros(len(v), dtype=np.int64), {1: 0, -1: 0}, 0
+    for first, last in pairwise(ends):
+        rows = v[first:last]
+        way = 1 if _mean(rows[len(rows) // 2 :]) >= _mean(rows[: (len(rows) + 1) // 2]) else -1
+        labels[first:last] = way
+        if len(np.unique(rows)) >= _FEWEST:
+            counts[way] += 1
+            swept += len(rows)
+    if not all(counts.values()) or swept < _IN_ORDER * len(v):
+        return np.zeros(len(v), dtype=np.int64), 0, 0
+    return labels, counts[1], counts[-1]
+
+
+def _mean(rows: FloatArray) -> float:
+    return float(np.mean(rows)) if len(rows) else 0.0
+
+
+def _turns(v: FloatArray) -> list[int]:
+    """Return the rows with which new branches begin; a dwell at a turn is halved."""
+    least = _TURN * float(np.ptp(v))
+    speeds, turns = v.tolist(), list[int]()
+    way, low, high = 0, 0, 0
+    for i, speed in enumerate(speeds):
+        low = i if speed < speeds[low] else low
+        high = i if speed > speeds[high] else high
+        if way >= 0 and speeds[high] - speed > least:
+            turns += [high] if way else []
+            way, low = -1, i
+        elif way <= 0 and speed - speeds[low] > least:
+            turns += [low] if way else []
+            way, high = 1, i
+    middles = []
+    for turn in turns:
+        first = last = turn
+        near = _FLAT * speeds[turn]
+        while first > 0 and abs(speeds[first - 1] - speeds[turn]) <= near:
+            first -= 1
+        while last < len(speeds) - 1 and abs(speeds[last + 1] - speeds[turn]) <= near:
+            last += 1
+        middles.append((first + last) // 2 + 1)
+    return middles
+
+
+def _knots(v: FloatArray) -> FloatArray:
+    """Return speeds with as many rows between any two."""
+    return np.unique(np.quantile(v, np.linspace(0, 1, int(np.clip(len(v) // _ROWS, *_COLUMNS)) - 2)))
+
+
+def _splines(v: FloatArray) -> FloatArray:
+    """Return the cubic splines of the speed between such knots as columns."""
+    from scipy.interpolate import BSpline
+
+    knots = _knots(v)
+    if len(knots) < 2:
+        return np.ones((len(v), 1))
+    return np.asarray(BSpline.design_matrix(v, np.pad(knots, 3, mode="edge"), 3).toarray())
+
+
+def _terms(v: FloatArray, sweep: IntArray) -> list[FloatArray]:
+    """Return polynomials of the speed, where both branches reach it, and held beyond, as half of a difference."""
+    up, down = v[sweep > 0], v[sweep < 0]
+    low, high = _shared(v, sweep)
+    shared = [int(((one >= low) & (one <= high)).sum()) for one in (up, down)]
+    if low >= high or min(shared) < _FEWEST:
+        return []
+    knots = _knots(v)  # the polynomials are as fine as the rows are dense
+    share = np.interp(np.clip(v, low, high), knots, np.linspace(0, 1, len(knots)))
+    x = 2 * (share - share[0]) / (share[-1] - share[0]) - 1
+    return list(np.polynomial.legendre.legvander(x, _HIGHEST).T * sweep / 2)
+
+
+def _shared(v: FloatArray, sweep: IntArray) -> tuple[float, float]:
+    """Return the lowest and the highest speed that both kinds of branches reach."""
+    up, down = v[sweep > 0], v[sweep < 0]
+    return float(max(up[0], down[0])), float(min(up[-1], down[-1]))
+
+
+def _alone(v: FloatArray, sweep: IntArray) -> str:
+    """Return where more than a few rows are on one kind of branch only."""
+    low, high = _shared(v, sweep)
+    said = []
+    for outside, where in ((v < low, f"below {low:.3g} m/s"), (v > high, f"above {high:.3g} m/s")):
+        if outside.sum() > _ALONE * len(v):
+            said.append(f"{where} {'rising' if sweep[outside].sum() > 0 else 'falling'} branches only")
+    return ", ".join(said)

@@ -1,0 +1,31 @@
+"""How noise is correlated from row to row."""
+
+import numpy as np
+
+from stickslip_sym.core.aliases import FloatArray
+
+_CORRELATED = 2.7  # standard deviations of a partial correlation of white noise, above which noise is correlated
+_LAGS = 4  # rows apart, up to which noise may be correlated: as many sweeps may be interleaved
+_MOST_CORRELATED = 0.95  # beyond it the rows are too few to tell noise from a trend
+
+
+def correlation_of(e: FloatArray, k: int) -> tuple[float, float, int]:
+    """Return how many residuals in a row count as one, and the partial correlation that says so, with its lag.
+
+    The noise is autoregressive, of the order up to four, with a partial correlation that white noise would not
+    show, that leaves the fewest. By Levinson's and Durbin's recursion; 1, 0 and 0 if there is none.
+    """
+    count, found = len(e), (1.0, 0.0, 0)
+    deviation = np.sqrt(count) / (count - 3)
+    weights, left, r = np.zeros(0), 1.0, np.zeros(0)
+    for lag in range(1, min(_LAGS, count // 4) + 1):
+        # The k parameters follow part of the noise, which so seems less correlated by about (k + 3 r)/n.
+        r = np.append(r, (float(np.sum(e[lag:] * e[:-lag]) / np.sum(e**2)) * count + k) / (count - 3))
+        partial = float(np.clip((r[-1] - weights @ r[-2::-1]) / left, -_MOST_CORRELATED, _MOST_CORRELATED))
+        weights = np.append(weights - partial * weights[::-1], partial)
+        left *= 1 - partial**2
+        gain = max(1 - float(weights.sum()), 1 - _MOST_CORRELATED)
+        inflation = min(left / gain**2, (1 + _MOST_CORRELATED) / (1 - _MOST_CORRELATED))
+        if partial > _CORRELATED * deviation and inflation > found[0]:
+            found = inflation, partial, lag
+    return found
