@@ -77,8 +77,9 @@ class Branches:
             counts = f"{self.rising} rising and {self.falling} falling branch{'es' * (self.falling > 1)}"
             gap = with_error(abs(self.gap), self.standard_error)
             above = "rising" if self.gap > 0 else "falling"
-            apart = f"{above} above by {gap} on average, their mean taken" if self.differ else "alike"
-            said.append(f"{counts}, {apart}" + f" ({self.alone})" * bool(self.alone and self.differ))
+            cause = "hysteresis" if self.rising + self.falling > 2 else "hysteresis, or drift"
+            apart = f"{above} above by {gap} on average ({cause}), their mean taken" if self.differ else "alike"
+            said.append(f"{counts}, {apart}" + f"; {self.alone}" * bool(self.alone and self.differ))
         return ", ".join(said)
 
 
