@@ -193,7 +193,7 @@ FILE_OF_MEASUREMENTS = [
     ),
     option("--leave-out", is_flag=True, help="Leave out rows that are no measurements, and count them."),
     option(
-        "--bins", metavar="N", read=lambda text, name: int(read_number(text, name)),
+        "--bins", metavar="N", type=int,
         help="Average the rows in so many bins of speed.",
     ),
     option("--keep-outliers", is_flag=True, help="Keep rows off a smooth curve, which are refused otherwise."),

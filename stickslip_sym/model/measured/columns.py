@@ -72,8 +72,8 @@ def read_unit(text: str) -> Unit | None:
 _SPREAD = "sigma|sd|std(dev)?|stdev|(standard)?(error|uncertainty)|standarddeviation|err|scatter"
 _WORDS: dict[str, tuple[str, ...]] = {
     r"(v|vel)(r|rel|slip|sl|slide|sliding)?|(slip)rate|rpm|drehzahl|(gleit|relativ)?geschwindigkeit": ("v",),
-    r"(slip|slide|sliding|rel|relative|surface|lin|linear|belt|track|rotational|angular|spindle)?(speed|velocity)":
-        ("v",),
+    r"(slip|slide|sliding|rel|relative|surface|lin|linear|belt|track)?(speed|velocity)": ("v",),
+    r"(rotational|rotation|angular|spindle|disc|disk)(speed|velocity)": ("v",),
     r"mu[kd]?|cof|f[trfxy]f[nz]|(coefficient|coeff|coef)(friction|traction)": ("mu",),
     r"(friction|traction)(coefficient|coeff|coef|factor)": ("mu",),
     r"reib(ungs)?koeffizient|reibwert|reibungszahl": ("mu",),

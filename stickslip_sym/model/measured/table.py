@@ -31,6 +31,7 @@ _BETWEEN_BLANKS = re.compile(r'"[^"]*"|(?:\[[^\[\]]*\]|\([^()]*\)|\S)+')
 _NUMBER = r"[+-]?(\d+{sign}?\d*|{sign}\d+)([eE][+-]?\d{{1,4}})?"
 _NUMBERS = {sign: re.compile(_NUMBER.format(sign=re.escape(sign))) for sign in ".,"}
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+(\.\d*)?")
+_THOUSANDS_IN_ROW = re.compile(r"(?<![\d.])[1-9]\d{0,2}(,\d{3})+(?!\d)")
 _THREE_DIGITS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 _NINES = re.compile(r"[+-]?0*(99[.,]9+|9{3,}([.,](0*|9*))?)")
 _NOTHING = re.compile(r"|nan|n/?a|inf|-+|null|none|#.*", re.IGNORECASE)
@@ -240,8 +241,9 @@ def _layout(lines: Sequence[_Line], name: str) -> tuple[str, list[str], str, lis
         if named and not below:
             raise InputError(f"{name} has no points below line {line.number}; write a line for each")
         for mark in named:
-            if _is_of_units(first[mark], len(cells[mark])):
-                cells[mark] = _with_units(cells[mark], first[mark])
+            units = first[mark] + [""] * (len(cells[mark]) - len(first[mark])) * (mark != " ")
+            if _is_of_units(units, len(cells[mark])):
+                cells[mark] = _with_units(cells[mark], units)
                 start += 1
                 first[mark] = _names(rows[start].text, mark) if start < len(rows) else []
             fits = len(first[mark]) == len(cells[mark]) if mark == " " else len(first[mark]) > 1
@@ -295,6 +297,11 @@ def _fill(table: Table, rows: Sequence[_Row], header: list[str], separator: str)
             column, got, reason = str(min(len(row), count)), text[:60], "of another number of columns"
             rule = f"the row has {len(row)} column{'s' * (len(row) > 1)}, and the header {count}"
             rule += "; where a comma is the decimal sign, part the columns by semicolons" * (separator == ",")
+            if separator == "," and len(row) > count and _THOUSANDS_IN_ROW.search(text):
+                raise InputError(  # left out, the largest numbers would be missing
+                    f"{table.name}, line {line}: {rule}, and where it stands between thousands, write such numbers "
+                    f"in quotes; got {text[:60]!r}"
+                )
         else:
             wrong = [i for i in numeric if not (re.search(r"\d", row[i]) or _NOTHING.fullmatch(row[i]))]
             wrong += [i for i in read if not _NUMBERS[sign].fullmatch(row[i])]

@@ -127,7 +127,8 @@ def test_chosen_columns_win_whatever_the_title_looks_like(folder, seed, title, n
 
 @pytest.mark.parametrize(
     "name", ["Speed (rpm)", "Spindle speed, rpm", "speed_rpm", "RPM", "rpm of the spindle", "n (1/min)",
-             "Speed [1/min]", "Rotation [rpm]", "Drehzahl in U/min", "rotational speed [rev/min]"],
+             "Speed [1/min]", "Rotation speed [1/min]", "Rotation [rpm]", "Drehzahl in U/min",
+             "rotational speed [rev/min]"],
 )  # fmt: skip
 def test_rotations_stand_in_any_position(tmp_path, name):
     path = write(tmp_path, f"{name};mu\n60;0.4\n120;0.3\n")
@@ -144,6 +145,23 @@ def test_commas_between_thousands_are_read_where_they_are_quoted(tmp_path):
         ss.read_measurements(write(tmp_path, 'v [um/s],mu\n"1,234",1\n"2,000",2\n'))
     read = ss.read_measurements(write(tmp_path, 'v [m/s],mu\n"1,2","0,4"\n"2,0","0,3"\n'))
     assert (read.v.tolist(), read.mu.tolist()) == ([1.2, 2], [0.4, 0.3])
+
+
+def test_rows_with_a_number_too_many_are_never_left_out(tmp_path):
+    """They would be those of the largest speeds, with a sign between thousands."""
+    rows = [f"{v:,},{0.5 - v / 5000}\n" for v in range(100, 1100, 50)]
+    path = write(tmp_path, "v [mm/s],mu\n" + "".join(rows))
+    for leave_out in (False, True):
+        with pytest.raises(ss.InputError, match=r"line 20: .* write such numbers in quotes; got '1,000,0"):
+            ss.read_measurements(path, leave_out=leave_out)
+    path = write(tmp_path, "v [mm/s],mu\n" + "".join(rows[:18]) + "500,0.4,a remark\n")
+    assert len(ss.read_measurements(path, leave_out=True)) == 18
+
+
+def test_columns_without_a_unit_have_none_in_a_row_of_units(tmp_path):
+    for units in ("mm/s;1;", "mm/s;;", "mm/s", "[mm/s];[-]"):
+        read = ss.read_measurements(write(tmp_path, f"Speed;COF;Remark\n{units}\n100;0,4;a\n200;0,3;\n"))
+        assert (read.v.tolist(), read.mu.tolist()) == ([0.1, 0.2], [0.4, 0.3])
 
 
 def test_what_is_assumed_is_said(tmp_path):
