@@ -14,7 +14,7 @@ from stickslip_sym.core.errors import InputError
     options.AT,
     option("--of", metavar="NAME", default="all", help="V, N, m, k, c or a parameter, or all (all)."),
     options.DAMPING, options.METHOD,
-    option("--within", metavar="LOW:HIGH", read=options.read_range, help="Where to look, in SI units."),
+    option("--within", metavar="LOW:HIGH", help="Where to look."),
     options.time_limit(),
 )  # fmt: skip
 def run(given: Given) -> None:
@@ -35,7 +35,8 @@ def run(given: Given) -> None:
         echo_found(given, at, margins, of="all", margins=margins)
         return
     at.exact("critical --of " + of)
-    within = given["within"]
+    text, unit = given["within"], options.unit_of(at.law, of)
+    within = None if text is None else options.read_range(text, "--within", of=of, unit=unit)
     given.all_used()
     values = ss.critical(at.law, of, **how | at.numbers, within=within)
     text = "\n".join(map(str, values)) or f"there is no such value of {of}"

@@ -13,6 +13,7 @@ from stickslip_sym.cli.options import Given, option, read_number
 from stickslip_sym.cli.output import counted, echo_found
 from stickslip_sym.cli.reading import point
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.units import in_si, with_unit_of
 from stickslip_sym.output.tables import table
 
 if TYPE_CHECKING:
@@ -24,26 +25,34 @@ _MOST_VALUES = 1_000_000
 _WIDTH, _HEIGHT = 60, 20  # of the picture in text
 
 
-def read_axis(text: str, option: str) -> tuple[str, FloatArray]:
-    """Read NAME=START:STOP:COUNT."""
+def read_axis(text: str, option: str, law: ss.FrictionLaw) -> tuple[str, FloatArray]:
+    """Read NAME=START:STOP:COUNT, the ends in SI units or others."""
     import numpy as np
 
-    name, equals, ends = text.partition("=")
-    parts = ends.split(":")
+    name, parts, equals = _name(text), text.partition("=")[2].split(":"), "=" in text
     if not equals or len(parts) != 3:
         raise InputError(f"{option} {text[:60]!r} is not {_AXIS}; write for example {option} V=0.01:1:100")
-    start, stop = read_number(parts[0], f"the start of {name}"), read_number(parts[1], f"the stop of {name}")
+    ends = with_unit_of(parts[1], parts[0]), parts[1]
+    start, stop = (
+        read_number(in_si(end, name, options.unit_of(law, name)), f"the {which} of {name}")
+        for which, end in zip(("start", "stop"), ends, strict=True)
+    )
     count = int(parts[2]) if parts[2].isdecimal() and len(parts[2]) <= 7 else 0
     if not 1 <= count <= _MOST_VALUES or start > stop or (start == stop) != (count == 1):
         raise InputError(
             f"{option} {text[:60]!r}: the start must lie below the stop, or equal it with a count of 1; and "
             f"the count must be a whole number from 1 to {_MOST_VALUES}"
         )
-    return name.strip(), np.linspace(start, stop, count)
+    return name, np.linspace(start, stop, count)
+
+
+def _name(text: str) -> str:
+    """Return the quantity of an axis."""
+    return text.partition("=")[0].strip()
 
 
 def _axis(name: str, text: str) -> click.Option:
-    return option(name, metavar=_AXIS, read=read_axis, required=True, help=text)
+    return option(name, metavar=_AXIS, required=True, help=text)
 
 
 @options.command(
@@ -62,11 +71,11 @@ def run(given: Given) -> None:
 
     Example: stickslip map exponential --x V=0.01:1:100 --y c=0:6:100 --plot map.png
     """
-    x, y = given["x"], given["y"]
-    names = x[0], y[0]
+    names = _name(given["x"]), _name(given["y"])
     if twice := given["parameter"].keys() & set(names):
         raise InputError(f"{min(twice)} is an axis, and given by -p too; leave one of the two out")
     at = point(given, without=names).exact("map")
+    x, y = (read_axis(given[side], f"--{side}", at.law) for side in "xy")
     how: dict[str, Any] = {name: given[name] for name in ("time_limit", "workers")} | at.numbers
     csv, npz, plot = given["csv"], given["npz"], given["plot"]
     given.all_used()

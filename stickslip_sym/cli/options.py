@@ -15,6 +15,7 @@ from click.core import ParameterSource
 import stickslip_sym as ss
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import fraction
+from stickslip_sym.core.units import in_si, with_unit_of
 from stickslip_sym.model.operating_point import PAPER
 
 _PICTURES = (".svg", ".png", ".pdf")
@@ -112,12 +113,21 @@ def read_number(text: Any, name: str) -> float:
     return float(value)
 
 
-def read_range(text: str, name: str, *, half: bool = False) -> tuple[float | None, ...]:
-    """Read LOW:HIGH; where `half` is true either may be left out."""
+def read_range(
+    text: str, name: str, *, of: str, unit: str | None = None, half: bool = False
+) -> tuple[float | None, ...]:
+    """Read LOW:HIGH, values of a quantity in SI units or others; where `half` is true either may be left out."""
     ends = text.split(":")
     if len(ends) != 2 or (not half and not all(ends)):
         raise InputError(f"{name} {text[:60]!r} is not LOW:HIGH; write for example {name} 0.1:10")
-    return tuple(read_number(end, name) if end else None for end in ends)
+    if all(ends):
+        ends[0] = with_unit_of(ends[1], ends[0])
+    return tuple(read_number(in_si(end, of, unit), name) if end else None for end in ends)
+
+
+def unit_of(law: ss.FrictionLaw, name: str) -> str | None:
+    """Return the unit that numbers of a quantity or a parameter may have: empty for any, None for its own."""
+    return (law.parameters[name].unit or "") if name in law.parameters else None
 
 
 def _read_file(text: str, name: str, *, endings: Sequence[str]) -> Path:
@@ -188,8 +198,8 @@ FILE_OF_MEASUREMENTS = [
     ),
     option("--radius", metavar="M", help="Radius of the track, where the speed is in rpm."),
     option(
-        "--speeds", metavar="LOW:HIGH", read=partial(read_range, half=True),
-        help="Read rows of these speeds in m/s only.",
+        "--speeds", metavar="LOW:HIGH", read=partial(read_range, of="speeds", half=True),
+        help="Read rows of these speeds only, like 10:400 mm/s.",
     ),
     option("--leave-out", is_flag=True, help="Leave out rows that are no measurements, and count them."),
     option(

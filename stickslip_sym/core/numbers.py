@@ -74,7 +74,7 @@ def _from_text(text: str, name: str) -> Fraction:
 def real(name: str, value: Number) -> float:
     """Return a number as a float, or refuse what is none and what is not finite."""
     try:
-        number = float(in_si(value, name))
+        number = float(fraction(value, name) if isinstance(value, str) else value)
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name} = {str(value)[:60]!r} is not a number; give a float such as 0.5") from None
     if not math.isfinite(number):

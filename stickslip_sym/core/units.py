@@ -84,6 +84,12 @@ def in_si(value: Any, name: str, unit: str | None = None) -> Any:
     return f"{_text(Fraction(shown) * size, decimal=True)}+/-{_text(Fraction(error) * size, decimal=True)}"
 
 
+def with_unit_of(last: str, first: str) -> str:
+    """Return the first end of a range with the unit of the last where it has none, as in "10:400 mm/s"."""
+    its, own = (_WITH_UNIT.fullmatch(text.translate(_SUPERSCRIPTS)) for text in (last, first))
+    return first if its is None or own is not None else f"{first} {its['unit']}"
+
+
 def _text(number: Fraction, *, decimal: bool = False) -> str:
     """Return a number as the decimal that it is, or a quotient, or else a decimal of many digits."""
     quotient = Context(prec=_DIGITS).divide(Decimal(number.numerator), Decimal(number.denominator))

@@ -4,6 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from commands import read_json
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -79,3 +80,26 @@ def test_units_are_read_wherever_numbers_are(run, tmp_path):
     )
     array = ss.pure_slip_damping(ss.laws.exponential.typical(), V=np.array([0.4]), N="0.02 kN", method="harmonic")
     assert array.value[0] == value
+
+
+def test_ranges_and_axes_have_units(run):
+    """A unit at the end is that of both ends; a quotient of units is exact."""
+    law, at = ss.laws.exponential.typical(), {"N": 9.81, "m": 1, "k": 100}
+    for range_of, si in (("100:2000 mm/s", (0.1, 2)), ("0.1:200 cm/s", (0.001, 2)), ("10 mm/s:2", (0.01, 2))):
+        code, out, err = run("critical", "exponential", "--of", "V", "-c", "2", "--within", range_of, "--json")
+        assert (code, err) == (0, "")
+        (value,) = ss.critical(law, "V", **at, c=2, within=si)
+        assert [one["value"] for one in read_json(out)["values"]] == [value.value]
+    assert ss.critical(law, "V", **at, c=2, within=("3.6 kph", "10 km/h"), method="harmonic") == ()
+    low, high = ss.critical(law, "alpha", **at, V=0.5, c=2, within=("500 s/km", "10"), method="harmonic")
+    assert 0.5 < low.value < high.value < 10
+    axes = ["--x", "V=100:500 mm/s:3", "--y", "alpha=3000 s/km:4:2"]
+    code, out, err = run("map", "exponential", *axes, "-c", "2", "--json")
+    found = read_json(out)
+    assert (found["x"]["values"], found["y"]["values"]) == (np.linspace(0.1, 0.5, 3).tolist(), [3, 4])
+    assert ss.motion_map(law, x=("V", ["100 mm/s", "0.5"]), y=("c", [1, 2]), **at).x.values.tolist() == [0.1, 0.5]
+    for line in (["critical", "exponential", "--of", "V", "-c", "2", "--within", "1:2 N"],
+                 ["map", "exponential", "--x", "V=1:2 kg:3", "--y", "c=1:2:2"]):  # fmt: skip
+        code, out, err = run(*line)
+        assert (code, out) == (2, "")
+        assert "and V is in m/s; write it so" in err

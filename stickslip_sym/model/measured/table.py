@@ -299,8 +299,8 @@ def _fill(table: Table, rows: Sequence[_Row], header: list[str], separator: str)
             rule += "; where a comma is the decimal sign, part the columns by semicolons" * (separator == ",")
             if separator == "," and len(row) > count and _THOUSANDS_IN_ROW.search(text):
                 raise InputError(  # left out, the largest numbers would be missing
-                    f"{table.name}, line {line}: {rule}, and where it stands between thousands, write such numbers "
-                    f"in quotes; got {text[:60]!r}"
+                    f"{table.name}, line {line}: {rule}, and where it stands between thousands, write such "
+                    f"numbers in quotes; got {text[:60]!r}"
                 )
         else:
             wrong = [i for i in numeric if not (re.search(r"\d", row[i]) or _NOTHING.fullmatch(row[i]))]

@@ -13,6 +13,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import read_array, real, suggestion
+from stickslip_sym.core.units import in_si
 from stickslip_sym.model.content import text_of_law
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
@@ -175,6 +176,8 @@ def read_axis(law: FrictionLaw, side: str, given: AxisValues) -> Axis:
             f"{', '.join(quantities)}"
         )
     quantity = quantities[name]
+    if not isinstance(values, np.ndarray) and any(isinstance(value, str) for value in values):
+        values = [real(name, in_si(value, name, quantity.unit or "")) for value in values]
     return Axis(name, read_values(name, values), quantity.unit or "", quantity.meaning)
 
 

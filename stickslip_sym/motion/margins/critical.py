@@ -20,6 +20,7 @@ from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged
 from stickslip_sym.core.numbers import lookup, read_array, read_rtol, real
+from stickslip_sym.core.units import in_si
 from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.criteria.rule import slope_average
@@ -104,7 +105,7 @@ def critical(
     k: float | None = None,
     method: str | Criterion | Method = "auto",
     rtol: float = 1e-3,
-    within: Sequence[float] | None = None,
+    within: Sequence[float | str] | None = None,
     time_limit: float | None = None,
 ) -> tuple[Critical, ...]:
     """Return every value of one quantity or parameter at which the pure-slip damping is c, ascending.
@@ -125,7 +126,7 @@ def critical(
         that stick-slip is there at one and not at the other; that there are no more such values it does not prove.
     rtol : float
         Relative error that is good enough, 1e-12 to 1; the width of a proved enclosure.
-    within : sequence of float, optional
+    within : sequence of float or str, optional
         Two values of one sign between which to look at 8 points a decade, or more, ascending: all the points.
         If not given, a parameter is sought from 1/100 of its value to 100 times it, and V, N, m and k where
         N/(V sqrt(k m)) is 1e-3 to 100, or the harmonic average comes close to c. Two values closer together than
@@ -175,6 +176,9 @@ def critical(
             return (
                 Critical("c", one.value, "kg/s", one.method, one.relative_error, one.sensitivity, one.enclosure),
             )
+        unit = (law.parameters[of].unit or "") if of in law.parameters else None
+        if isinstance(within, list | tuple):
+            within = [real(of, in_si(value, of, unit)) if isinstance(value, str) else value for value in within]
         return _Search(law, of, numbers, find_method(method), rtol).found(_places(within))
 
 
@@ -201,7 +205,7 @@ def excess(points: OperatingPoints, c: float, method: Method | None) -> float:
     return math.nan if outside and math.isfinite(system.w_max) else min(max(float(value), -1.0), 1.0)
 
 
-def _places(within: Sequence[float] | None) -> FloatArray | None:
+def _places(within: Sequence[float | str] | None) -> FloatArray | None:
     """Read at which places a value is sought; None where that is not said."""
     if within is None:
         return None
