@@ -1,8 +1,9 @@
 """Jobs in environments of their own: ``nox -f .ci/noxfile.py -l`` lists them; arguments after -- go to pytest.
 
-The workflow runs all but `mutants`, which takes hours and is run by hand.
+The workflow runs all but `mutants`, which takes hours and is run by hand; `nightly` has a workflow of its own.
 """
 
+import datetime
 import re
 import tomllib
 from pathlib import Path
@@ -46,6 +47,15 @@ def tests(session):
     session.install("-e", ".[test]")
     session.run("python", "-m", "pip", "list")
     session.run("pytest", "-ra", *session.posargs)
+
+
+@nox.session
+def nightly(session):
+    """Run what takes long, with examples that no run drew before; the seed of the day is printed."""
+    session.chdir(ROOT)
+    session.install("-e", ".[test]")
+    seed = datetime.datetime.now(datetime.UTC).strftime("%Y%m%d")
+    session.run("pytest", "--thorough", "--fresh", seed, "-ra", *session.posargs)
 
 
 @nox.session

@@ -30,11 +30,23 @@ settings.register_profile("thorough", settings.get_profile("default"), max_examp
 def pytest_addoption(parser):
     words = "hundreds of examples a property, and what takes minutes"
     parser.addoption("--thorough", action="store_true", help=words)
+    words = "draw other examples: this number is the seed of Hypothesis and is added to every seed of a test"
+    parser.addoption("--fresh", type=int, metavar="SEED", help=words)
 
 
 def pytest_configure(config):
     config.addinivalue_line("markers", "thorough: takes long, and is left to ``pytest --thorough``")
     settings.load_profile("thorough" if config.getoption("--thorough") else "default")
+    if (fresh := config.getoption("--fresh")) is not None:
+        settings.register_profile("fresh", settings(), derandomize=False)
+        settings.load_profile("fresh")
+        config.option.hypothesis_seed = fresh
+
+
+def pytest_report_header(config):
+    """Say how a failure of a nightly run comes again."""
+    fresh = config.getoption("--fresh")
+    return [] if fresh is None else [f"examples drawn anew: the same come again with --fresh {fresh}"]
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -58,6 +70,10 @@ def pytest_collection_modifyitems(config, items):
         long = [item for item in items if item.get_closest_marker("thorough")]
         config.hook.pytest_deselected(items=long)
         items[:] = [item for item in items if item not in set(long)]
+    for item in items if config.getoption("--fresh") is not None else ():
+        parameters = item.callspec.params if hasattr(item, "callspec") else {}
+        if "seed" in parameters:
+            parameters["seed"] += config.getoption("--fresh")
     items.sort(key=lambda item: item.path.parent.name != "whole")
 
 

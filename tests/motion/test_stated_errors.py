@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from operating_points import paper_oscillator
+from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym import Motion, Phase
@@ -167,7 +168,7 @@ def test_orbits_are_as_asked_or_refused():
     assert outcomes == {"as asked", "refused"}
 
 
-@pytest.mark.parametrize("m", [1e-12, 1e-8, 1e-4])
+@sweep("m", [1e-12, 1e-8, 1e-4], 1e-8, 1e-4)
 def test_thresholds_of_light_masses_within_their_errors(m):
     """As m tends to 0 the threshold tends to a limit; the phase is stiff, with rates up to 2e6 a unit of time."""
     law = ss.laws.exponential.typical()
