@@ -113,9 +113,7 @@ def read_number(text: Any, name: str) -> float:
     return float(value)
 
 
-def read_range(
-    text: str, name: str, *, of: str, unit: str | None = None, half: bool = False
-) -> tuple[float | None, ...]:
+def read_range(text: str, name: str, *, of: str, unit: str | None = None, half: bool = False) -> tuple[Any, ...]:
     """Read LOW:HIGH, values of a quantity in SI units or others; where `half` is true either may be left out."""
     ends = text.split(":")
     if len(ends) != 2 or (not half and not all(ends)):

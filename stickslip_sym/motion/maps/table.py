@@ -176,7 +176,7 @@ def read_axis(law: FrictionLaw, side: str, given: AxisValues) -> Axis:
             f"{', '.join(quantities)}"
         )
     quantity = quantities[name]
-    if not isinstance(values, np.ndarray) and any(isinstance(value, str) for value in values):
+    if isinstance(values, list | tuple) and any(isinstance(value, str) for value in values):
         values = [real(name, in_si(value, name, quantity.unit or "")) for value in values]
     return Axis(name, read_values(name, values), quantity.unit or "", quantity.meaning)
 
