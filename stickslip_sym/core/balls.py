@@ -230,21 +230,35 @@ def number_at(expr: Expr, point: Mapping[Expr, Expr]) -> Expr:
         return sp.Float(in_mpmath(value.real), precision=_NUMBER_BITS)
 
 
-def _rationals(point: Mapping[Expr, Expr]) -> Callable[[Expr, list[Expr]], Expr]:
-    """Return the algebra of exact rationals, and of None for what is none or takes a longer computation."""
+def place_at(place: Expr, point: Mapping[Expr, Expr]) -> Expr:
+    """Return the value of the place of a kink as `number_at`, and infinity where what it is divided by falls to 0.
+
+    As of Max(q - a v, 0), a >= 0: the kink q/a moves beyond all speeds.
+    """
+    value = fold(place, _rationals(point, endless=True))
+    return number_at(place, point) if value is None else value
+
+
+def _rationals(point: Mapping[Expr, Expr], *, endless: bool = False) -> Callable[[Expr, list[Expr]], Expr]:
+    """Return the algebra of exact rationals, and of None for what is none or takes a longer computation.
+
+    `endless` takes the inverse of a positive parameter that is 0 for infinity.
+    """
 
     def value(node: Expr, parts: list[Expr]) -> Expr:
         if not parts:
             number = point.get(node, node)
         elif None in parts:
             return None
+        elif endless and node.is_Pow and parts[0] == 0 and node.base.is_positive and node.exp.is_negative:
+            return sp.oo
         elif node.is_Add or node.is_Mul or isinstance(node, sp.Abs | sp.sign | sp.Min | sp.Max):
-            return node.func(*parts)
+            number = node.func(*parts)
         elif node.is_Pow and len(parts) == 2 and parts[1].is_Integer and abs(parts[1]) <= _LARGEST_POWER:
             number = parts[0] ** parts[1]
         else:
             return None
-        return number if number.is_Rational else None
+        return number if number.is_Rational or (endless and number in (sp.oo, -sp.oo)) else None
 
     return value
 
@@ -274,5 +288,5 @@ def _holds(condition: Expr, point: Point) -> bool:
         return bool(condition)
     if isinstance(condition, sp.And | sp.Or):
         return (all if isinstance(condition, sp.And) else any)(_holds(part, point) for part in condition.args)
-    left, right = (number_at(side, point) for side in condition.args)
+    left, right = (place_at(side, point) for side in condition.args)
     return bool(_COMPARISONS[condition.rel_op](left, right))  # SymPy's relations ask for assumptions, at length

@@ -15,7 +15,7 @@ from itertools import pairwise
 from operator import add
 
 import sympy as sp
-from flint import acb, arb
+from flint import acb, arb, ctx
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Rational
@@ -23,6 +23,7 @@ from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_val
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.numbers import Number, fraction
 from stickslip_sym.core.precision import refined, working_precision
+from stickslip_sym.criteria.at_rest import bound_below, decay_at_rest, vanishing
 from stickslip_sym.criteria.certificate import certificate
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.quadrature import MOST_DIGITS, read_operating_point
@@ -259,7 +260,8 @@ def average_ball(
         if not all(_real(ball_value(side, there)).is_finite() for side in sides or pieces[-1:]):
             return arb.nan()
         return -reduce(add, slopes) / len(slopes) if exact is not None else -reduce(arb.union, slopes)
-    parts = [ball_function(piece, symbols.v, point) for piece in pieces]
+    first, vanished = vanishing(pieces[0], point)
+    parts = [ball_function(piece, symbols.v, point) for piece in (first, *pieces[1:])]
     if not _real(parts[0](acb(0), False)).is_finite():
         return arb.nan()  # no panel that begins at v = 0 has a bound, however often it is halved
     V, places = acb(speed), [ball(place).real for place in inside]
@@ -284,14 +286,34 @@ def average_ball(
 
         return over_speed if criterion.is_polynomial else over_angle
 
-    panels = zip(parts, pairwise(ends), strict=True)
-    total = scale * reduce(add, [acb.integral(integrand(part), *panel) for part, panel in panels])
+    total = scale * reduce(add, [acb.integral(integrand(part), *panel)
+                                 for part, panel in zip(parts, pairwise(ends), strict=True)])  # fmt: skip
     low, high = criterion.ends
+    if (decay := decay_at_rest(vanished, point)) is not None:
+        start = decay.below(reach, ctx.prec)
+        start = start.min(places[0].lower() / 2) if places else start
+        share = start / speed if criterion.is_polynomial else (start / reach).sqrt().asin()
+        most = abs(scale.real) * bound_below(vanished, point, start) * share * _largest(criterion)
+        part = ball_function(vanished, symbols.v, point)
+        # The absolute tolerance is that of values that may be as small as here at the end.
+        size = abs(part(acb(places[0] if places else reach), False)) * arb(2) ** -ctx.prec
+        total += scale * acb.integral(integrand(part), ends[0] + share, ends[1], abs_tol=size.lower())
+        total += acb(arb(0, most.abs_upper()) if most.is_finite() else arb.nan())
+        if high != 0 and len(parts) == 1:
+            total -= ball(high) * part(2 * V, False)
     if low != 0:
         total += ball(low) * parts[0](acb(0), False)
     if high != 0:
         total -= ball(high) * parts[-1](2 * V, False)
     return (total / V).real
+
+
+def _largest(criterion: Criterion) -> arb:
+    """Return a bound on what mu is multiplied by under the integral."""
+    if not criterion.is_polynomial:
+        return arb(1)
+    slope = sp.Poly(sp.diff(criterion.weight, symbols.s), symbols.s)
+    return ball(sum(map(abs, slope.all_coeffs()), sp.S.Zero)).real
 
 
 def _real(value: acb) -> acb:

@@ -229,7 +229,8 @@ def _integral(
     if singular:
         # In y, x = y^power, what is infinite at x = 0 but integrable vanishes at y = 0, or almost.
         near, nearer = (ends[-1] * mpmath.mpf(10) ** -k for k in _NEAR)
-        steepness = mpmath.log(abs(integrand(nearer) / integrand(near))) / mpmath.log(near / nearer)
+        values = [abs(integrand(x)) for x in (near, nearer)]
+        steepness = mpmath.log(values[1] / values[0]) / mpmath.log(near / nearer) if all(values) else 0
         power = max(power, min(int(1 / (1 - steepness)), _MOST_STRETCHING)) if 0 < steepness < 1 else power
         ends = [mpmath.root(end, power) for end in ends]
     panels = pairwise(ends)

@@ -26,7 +26,7 @@ from stickslip_sym.formula.proof.gate import verify
 from stickslip_sym.formula.proof.normal_form import normal_form
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal
 from stickslip_sym.formula.proof.recurrence import AVERAGES_AGREE, AverageSeries, definition
-from stickslip_sym.formula.proof.theorems import PieceByPiece
+from stickslip_sym.formula.proof.theorems import PieceByPiece, is_smooth
 from stickslip_sym.formula.tidy import factored
 from stickslip_sym.model.at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.terms import shapes_of
@@ -68,6 +68,11 @@ class Average:
         self.require_integrable()
         if self.criterion.weight is None or not self.profile.has(symbols.v):
             return ()
+        if self.rates:
+            continued = Continued(self)
+            continued.source.find(seconds, progress)
+            rule = ", ".join(part.rule for part in continued.source._parts or ())
+            return (Part(definition(self.profile, self.criterion), continued.value, rule, continued),)
         # Under the conditions, which SymPy then sees in every exponent.
         profile = self.profile.xreplace({shape: bound + sign * slack for shape, bound, slack, sign in self._slack})
         return tuple(integrate_terms(profile, self.criterion, seconds, progress))
@@ -79,6 +84,29 @@ class Average:
                 slope = min(slope, factored(slope), key=sp.count_ops)
             return -slope.xreplace({symbols.v: symbols.V})
         return self._in_shapes(sp.Add(*[part.value for part in parts]))
+
+    @cached_property
+    def rates(self) -> dict[Expr, tuple[Expr, Expr]]:
+        """For each sum b (1 + r v) that is divided by, or in a logarithm or root: b and r, where r may be < 0."""
+        found: dict[Expr, tuple[Expr, Expr]] = {}
+        for node in self.profile.atoms(sp.Pow, sp.log):
+            base, exponent = node.args[0], node.exp if node.is_Pow else sp.nan
+            if (exponent.is_nonnegative and exponent.is_Integer) or not (
+                base.is_Add and base.is_polynomial(symbols.v)
+            ):
+                continue
+            line = sp.Poly(base, symbols.v)
+            rate = line.nth(1) / line.nth(0) if line.degree() == 1 and line.nth(0) != 0 else sp.S.Zero
+            if not rate.is_nonnegative and (exponent.is_Integer or line.nth(0).is_positive):
+                found[base] = line.nth(0), rate
+        return found
+
+    @property
+    def domain(self) -> tuple[Expr, ...]:
+        """What must hold for the profile to have a value at all slip speeds up to 2 V."""
+        if self.criterion.weight is None:
+            return ()
+        return tuple(sp.Gt(1 + 2 * rate * symbols.V, 0) for _, rate in self.rates.values())
 
     @cached_property
     def _slack(self) -> list[tuple[Expr, Expr, Expr, int]]:
@@ -152,7 +180,7 @@ class Average:
     @cached_property
     def gate(self) -> Verdict:
         """The agreement of the closed form with its definition, which shares no step with finding or proof."""
-        return verify(self.profile, self.criterion, self.find(), self.conditions)
+        return verify(self.profile, self.criterion, self.find(), self.conditions + self.domain)
 
     @cached_property
     def steps(self) -> tuple[Step, ...]:
@@ -202,6 +230,55 @@ class Differentiated:
             raise ValueError(f"{g} may jump, at a place that moves")
         if any(step.verdict.status is not Status.PROVED for step in self.source.steps):
             raise ValueError(f"the average of {g} is not proved")
+        return self.value
+
+
+class Continued:
+    """Evaluate the average of a profile with 1 + r v by that for r > 0, continued to all r with 1 + 2 r V > 0.
+
+    The average is analytic in r there, since the profile is in 1 + r v; so is the formula, save at r = 0, where it
+    has a limit if it equals the average on one side.
+    """
+
+    def __init__(self, average: Average) -> None:
+        self.average = average
+        self.positive = {
+            base: sp.Symbol(f"rate_{number}", positive=True) for number, base in enumerate(average.rates, 1)
+        }
+        bases = {base: average.rates[base][0] * (1 + r * symbols.v) for base, r in self.positive.items()}
+        self.source = average_of(average.profile.xreplace(bases), average.criterion)
+
+    @property
+    def _formula(self) -> Expr:
+        """The formula for positive rates, each root and logarithm of a product in its factors."""
+        return self.source.find().replace(
+            lambda node: node.is_Pow and not node.exp.is_Integer,
+            lambda node: sp.factor(node.base) ** node.exp,
+        )
+
+    @property
+    def value(self) -> Expr:
+        """The formula at the rates."""
+        return self._formula.xreplace({r: self.average.rates[base][1] for base, r in self.positive.items()})
+
+    def __call__(self, expr: Expr) -> Expr:
+        """Apply the identity theorem, after checking its hypotheses."""
+        if normal_form(definition(self.average.profile, self.average.criterion) - expr) != 0:
+            raise ValueError("the integral is not the average of the profile")
+        if any(step.verdict.status is not Status.PROVED for step in self.source.steps):
+            raise ValueError("the average for positive rates is not proved")
+        # 1 + 2 r V, and in the profile 1 + r v, which is between that and 1.
+        ends = {base: sp.Dummy("w", positive=True) for base in self.positive}
+        profile = self.average.profile.xreplace(
+            {base: self.average.rates[base][0] * w for base, w in ends.items()}
+        )
+        moved = self._formula.xreplace(
+            {r: (ends[base] - 1) / (2 * symbols.V) for base, r in self.positive.items()}
+        )
+        moved = moved.replace(lambda node: node.is_Add, sp.factor_terms)
+        for w in ends.values():
+            if not (is_smooth(profile, w, analytic=True) and is_smooth(moved, w, analytic=True, inside=False)):
+                raise ValueError("the profile, or the formula, is not known to be analytic in the rates")
         return self.value
 
 

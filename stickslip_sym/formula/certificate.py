@@ -17,6 +17,7 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import row
 from stickslip_sym.core.status import Status
 from stickslip_sym.formula.average import Average, Differentiated
@@ -45,6 +46,12 @@ _KINDS = ("positive", "nonnegative", "real")
 
 def certificate(forms: "Sequence[ClosedForm]") -> str:
     """Return a script that proves closed forms one after another, and needs SymPy and mpmath only."""
+    for form in forms:
+        if form.domain:
+            raise InputError(
+                f"the closed form of {_where(form)} holds for {printing.text(form.domain[0])} only, where the "
+                "script has no rule; its derivation has the proof: print(form.derivation)"
+            )
     texts = ["\n".join(_Section(form).lines()) for form in forms]
     named, helpers = set(re.findall(r"\w+", " ".join(texts))), list[str]()
     needed = set(named)

@@ -10,7 +10,7 @@ import sympy as sp
 from stickslip_sym.core.aliases import Expr, Mpf
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.deadline import time_limit as limit
-from stickslip_sym.core.errors import InputError, NoClosedForm, OutOfTime
+from stickslip_sym.core.errors import InputError, NoClosedForm, NotConverged, OutOfTime
 from stickslip_sym.core.numbers import Number, exact, require_type, suggestion
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.symbols import N, V, c, mu, v
@@ -184,10 +184,18 @@ class ClosedForm(SlopeAverage):
         """
         try:
             return exact_value(*self._formula, point, digits)
-        except (InputError, TypeError):  # SymPy compares what is not a number
+        except (InputError, NotConverged, TypeError):  # SymPy compares what is not a number
             if point[V] == 0 or self.criterion.weight is None:
                 raise
             return super()._exactly(point, digits)
+
+    @cached_property
+    def domain(self) -> tuple[Expr, ...]:
+        """Relations without which a pole or an end of mu lies at a slip speed up to 2 V."""
+        relations = [
+            term.in_parameters(relation) for term, average in self.averages for relation in average.domain
+        ]
+        return tuple(dict.fromkeys(relation for relation in relations if relation != sp.true))
 
     def evaluate(self, digits: int = 50, **values: Number) -> Mpf:
         """Return the damping coefficient in kg/s to any number of digits.
@@ -211,6 +219,12 @@ class ClosedForm(SlopeAverage):
         for name, symbol in self.arguments.items():
             if symbol.is_nonnegative and point[symbol] < 0:
                 raise InputError(f"{name} = {float(point[symbol]):g} must not be negative")
+        for relation in self.domain:
+            if relation.xreplace(point) == sp.false:
+                raise InputError(
+                    f"V = {float(point[V]):g} m/s needs mu up to v = {2 * float(point[V]):g} m/s, and the formula "
+                    f"holds for {printing.text(relation)} only: mu ends, or has a pole, before; take a lower speed"
+                )
         return self._exactly(point, digits)
 
     def latex(self, symbols: Mapping[str, str] | None = None) -> str:
@@ -224,7 +238,9 @@ class ClosedForm(SlopeAverage):
         given = symbols or {}
         check_known(given, ["c", *self.arguments])
         names = notation_of(["c", *self.arguments], given)
-        conditions = [f"\\quad {printing.latex(condition, names)}" for condition in self.conditions]
+        conditions = [
+            f"\\quad {printing.latex(condition, names)}" for condition in (*self.conditions, *self.domain)
+        ]
         return ", ".join([f"{names['c']} = {printing.latex(self.expr, names)}", *conditions])
 
     def certificate(self) -> str:

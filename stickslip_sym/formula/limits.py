@@ -47,7 +47,7 @@ def limits_of(averages: Iterable[tuple[Term, Average]], mu: Expr) -> Limits:
         # With V for v, which is positive where the slip speed may be 0: only then SymPy knows that exp(-v) falls.
         slope = without_squares(average.slope).xreplace({symbols.v: V})
         for found, end in ((_at_rest, ends[0]), (_far, ends[1])):
-            limit = found(slope, average.criterion)
+            limit = None if found is _far and average.domain else found(slope, average.criterion)
             end.append(None if limit is None else share * term.in_parameters(limit))
     low, high = (_leading(end, sign) for end, sign in zip(ends, (-1, 1), strict=True))
     return Limits(*(None if total is None else tidy(total, mu, V) for total in (low, high)))

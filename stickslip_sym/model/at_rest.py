@@ -20,7 +20,7 @@ from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.functions import elementary, fold, row
 from stickslip_sym.core.lambdify import Backend, function_of
 from stickslip_sym.core.numbers import to_mpf
-from stickslip_sym.model.expression.pieces import branch_from, kinked
+from stickslip_sym.model.expression.pieces import branch_from, kinked, without_endless
 
 Rising = Callable[[FloatArray], FloatArray]
 """mu(v) - mu(0+) of an array of slip speeds in m/s, NaN where mu has no value."""
@@ -37,7 +37,7 @@ def function_at(expr: Expr, values: Mapping[Expr, Expr], backend: Backend) -> Ca
 
     Values go in as arguments, not into the expression: SymPy would factor powers of fractions.
     """
-    compiled = function_of([*values, symbols.v], expr, backend)
+    compiled = function_of([*values, symbols.v], without_endless(expr, values), backend)
     if backend == "mpmath":  # rounded to the precision at a call
         return lambda v: compiled(*map(to_mpf, values.values()), v)
     return partial(compiled, *map(float, values.values()))

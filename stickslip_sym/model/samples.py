@@ -139,7 +139,7 @@ def _checked(v: Iterable[Number], mu: Iterable[Number]) -> tuple[list[Rational],
             f"(stickslip fit FILE, ss.fit), or average them over bins of speed to {MOST} or fewer: bins={MOST} "
             "where the file is read"
         )
-    speeds = [exact(value, f"v of point {number}") for number, value in enumerate(v, 1)]
+    speeds = [exact(_as_written(value), f"v of point {number}") for number, value in enumerate(v, 1)]
     for number, (before, speed) in enumerate(pairwise([-LARGEST, *speeds]), 1):
         shown = f"v of point {number}, {float(speed):g} m/s,"
         if speed < 0:
@@ -151,7 +151,12 @@ def _checked(v: Iterable[Number], mu: Iterable[Number]) -> tuple[list[Rational],
             raise InputError(
                 f"{shown} {what} that of the point before; sort points by speed, and average those of one speed"
             )
-    return speeds, [exact(value, f"mu of point {number}") for number, value in enumerate(mu, 1)]
+    return speeds, [exact(_as_written(value), f"mu of point {number}") for number, value in enumerate(mu, 1)]
+
+
+def _as_written(value: Number) -> Number:
+    """Return a measured float as the shortest decimal that is read as it: 0.1 for the double next to it."""
+    return repr(float(value)) if isinstance(value, float) and math.isfinite(value) else value
 
 
 def _hermite_cubics(x: Sequence[Rational], y: Sequence[Rational]) -> list[tuple[Rational, ...]]:

@@ -81,7 +81,7 @@ def compiled(function: _Function) -> _Function:
 @contextmanager
 def _announced(line: str) -> Iterator[None]:
     """Say a line once a block takes more than a second."""
-    notice = threading.Timer(_PATIENCE, _say, [line])
+    notice = threading.Timer(_PATIENCE, _say_once, [line])
     notice.daemon = True
     notice.start()
     try:
@@ -101,6 +101,11 @@ def _forget_what_is_older() -> None:
             with suppress(FileNotFoundError):  # another process may have done so
                 if index.stat().st_mtime < newest:
                     index.unlink()
+
+
+@cache
+def _say_once(line: str) -> None:
+    _say(line)
 
 
 def _say(line: str) -> None:

@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import reduce
 from string import Template
 from typing import TYPE_CHECKING
@@ -12,6 +13,7 @@ from sympy.printing.printer import Printer
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import row
 from stickslip_sym.core.numbers import lookup
@@ -21,7 +23,10 @@ from stickslip_sym.formula.evaluation.branches import Branch, Table
 from stickslip_sym.formula.evaluation.making import compared
 from stickslip_sym.formula.evaluation.term_function import TermFunction
 from stickslip_sym.formula.proof.proving import Verdict
+from stickslip_sym.model.expression.normal_form import normal_form
+from stickslip_sym.model.expression.pieces import without_endless
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.terms import terms_of
 
 if TYPE_CHECKING:
     from stickslip_sym.formula.slope_average import SlopeAverage
@@ -50,6 +55,28 @@ def require_shapes(law: FrictionLaw) -> None:
 
 def _in_shapes(law: FrictionLaw) -> set[Expr]:
     return {symbol for term in law.terms for meaning in term.shapes.values() for symbol in meaning.free_symbols}
+
+
+def _settled(average: "SlopeAverage") -> tuple[list[TermFunction], set[Expr]]:
+    """Return the terms of a criterion, and the parameters that are numbers in them.
+
+    Where the values of parameters meet, as of Max(mu_k, mu_s - a v) at mu_s = mu_k, a scale is 0 or has no value:
+    then the law is split again at these values.
+    """
+    law = average.law
+    values = {symbol: law.values[name] for name, symbol in average.arguments.items() if name in law.values}
+    meeting: set[Expr] = set()
+    for function in average.functions:
+        scales = [base for base, power in zip(function.bases, function.ratio, strict=True) if power]
+        for part in (*scales, *function.term.shapes.values()):
+            if part.free_symbols <= values.keys():
+                value = number_at(part, values)
+                if not value.is_finite or (value == 0 and part in scales):
+                    meeting |= part.free_symbols
+    if not meeting:
+        return average.functions, set()
+    expr = without_endless(law.expr, values).xreplace({symbol: values[symbol] for symbol in meeting})
+    return replace(average, terms=terms_of(normal_form(expr))).functions, meeting
 
 
 # -- expressions and numbers -------------------------------------------------------------------------
@@ -165,6 +192,8 @@ class _Writer:
         law, language = average.law, self.language
         require_shapes(law)
         values, fixed = law.values, _in_shapes(law)
+        functions, settled = _settled(average)
+        fixed |= settled
         free = {key: symbol for key, symbol in average.arguments.items() if symbol not in fixed}
         texts = {symbol: language.argument.format(i) for i, symbol in enumerate(free.values(), language.first)}
         texts |= {symbol: _number(float(values[str(symbol)]), language) for symbol in fixed}
@@ -172,7 +201,7 @@ class _Writer:
         reach = (
             math.inf if law.v_max is None else float(law.v_max) / (1 if average.criterion.weight is None else 2)
         )
-        terms = {f"{name}_term_{i}": term for i, term in enumerate(average.functions)}
+        terms = {f"{name}_term_{i}": term for i, term in enumerate(functions)}
         verdicts = [self._add_term(key, term, point, texts, law) for key, term in terms.items()]
         arguments = [self._argument(key) for key in free]
         self.names.append(name)
@@ -239,6 +268,8 @@ class _Writer:
             self.parts.append(self._filled("table", name=name, rows=rows))
             panels, width = branch.rows.shape
             z, g = "r", self._filled("lookup", name=name, panels=panels, width=width).strip()
+            if branch.function is not None:
+                g += f"*{text_of(branch.function, {symbols.V: 'r'}, language)}"
         else:
             plain = {1.0: "r", 2.0: "r*r", -1.0: "1.0/r", -2.0: "1.0/(r*r)"}
             several = any(len(coefficients) > 1 for _, coefficients in branch.parts)

@@ -86,11 +86,23 @@ class Table:
 
     A row is a panel: its left end, the origin o, the centre and the inverse of half the width in y, then the
     coefficients of powers of (y - centre) over that half. Here y is r, or sqrt(r - o) where o is a number: beyond
-    a kink the average under a weight that ends like a square root is analytic in that.
+    a kink the average under a weight that ends like a square root is analytic in that. A `function` of the
+    symbol V, None for 1, stands before all of them.
     """
 
     rows: FloatArray
+    function: Expr | None = None
     power = 0.0
+
+    @cached_property
+    def _front(self) -> Callable[[Numbers], Numbers]:
+        f = sp.Integer(1) if self.function is None else self.function
+        return alike(function_of([symbols.V], f, "numpy"), f)
+
+    def __call__(self, r: Numbers) -> Numbers:
+        """Return G."""
+        value = self._in_panel(r)
+        return value if self.function is None else value * self._front(r)
 
     @cached_property
     def _lists(self) -> list[list[float]]:
@@ -104,8 +116,7 @@ class Table:
     def _has_roots(self) -> bool:
         return bool(np.isfinite(self._columns[1]).any())
 
-    def __call__(self, r: Numbers) -> Numbers:
-        """Return G."""
+    def _in_panel(self, r: Numbers) -> Numbers:
         if isinstance(r, float):
             row = self._lists[max(bisect_right(self._lists, r, key=lambda row: row[0]) - 1, 0)]
             y = ((r if math.isnan(row[1]) else math.sqrt(abs(r - row[1]))) - row[2]) * row[3]

@@ -159,8 +159,8 @@ class _Expander:
         return rest.inserted_in(_taylor(kind, start))
 
     def _far_function(self, kind: type[Expr], inner: Series) -> Series:
-        """Return a function of what grows without bound; near rest, as exp(-1/v) there, too steep for a table."""
-        if self.sign > 0:
+        """Return a function of what grows without bound: far out, or exp(-1/v) near rest."""
+        if self.sign > 0 and kind is not sp.exp:
             raise Unexpanded(f"{kind.__name__} has an essential singularity")
         low, first = inner.leading
         positive = bool(first > 0)

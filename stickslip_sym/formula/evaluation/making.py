@@ -22,6 +22,7 @@ from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.functions import elementary, row
 from stickslip_sym.core.precision import refined, working_precision
 from stickslip_sym.core.status import Status
+from stickslip_sym.criteria.at_rest import decay_at_rest
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.enclosure import average_ball
 from stickslip_sym.formula.evaluation.branches import Branch, Branches, Sum, Table, value_of
@@ -45,6 +46,7 @@ from stickslip_sym.formula.evaluation.values import (
     slope_of,
 )
 from stickslip_sym.formula.proof.proving import Verdict
+from stickslip_sym.model.expression.pieces import branch_from
 
 _EPSILON = 2.0**-52
 _NEGLIGIBLE = 2.0**-57  # of a value: what a polynomial may leave out
@@ -94,7 +96,7 @@ def branches_of(
 def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Mapping[Expr, Expr]) -> Verdict:
     """Compare each branch with enclosures of the definition: at its ends, between them, and far beyond."""
     mean_slope, values = MeanSlope(profile, criterion, list(shapes)), [float(x) for x in shapes.values()]
-    count = 0
+    count, decay = 0, decay_at_rest(branch_from(profile, shapes, sp.S.Zero), shapes)
     for r in _looked_at(branches):
         with np.errstate(all="ignore"):
             value = float(branches(r))
@@ -106,6 +108,7 @@ def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Ma
             return average_ball(profile, shapes, criterion, arb(r))
 
         exact = refined(right, BITS // 2, _MOST_BITS)
+        size *= 1 if decay is None else 1 + decay.steepness(2 * r)
         if not exact.is_finite() or float(exact.rad()) > _EPSILON * size:
             continue  # infinite at rest, or not enclosed: there is nothing to compare with
         if not abs(float(exact - arb(value))) <= _WRITTEN * _EPSILON * size + SMALLEST:
@@ -154,6 +157,7 @@ class _Builder:
         lowest, highest = scales_of(profile, point)
         self.lowest, self.highest = min([lowest, *self.corners]), max([highest, *self.corners])
         self.panels = 0
+        self.decay = decay_at_rest(self.values.first_piece, point)
 
     def build(self) -> Branches | None:
         """Return the branches in order, or None."""
@@ -305,7 +309,12 @@ class _Builder:
             rooted = left in self.corners and not (self.local or self.criterion.is_polynomial)
             if not self._fit(rows, left, right, left if rooted else None, _HALVINGS):
                 return None
-        return Table(np.array(rows))
+        return Table(np.array(rows), None if self.decay is None else self.decay.function)
+
+    def _fitted(self, r: arb) -> arb:
+        """Return F, over what stands before a table."""
+        value = self.values(r)
+        return value if self.decay is None else value / self.decay.ball(2 * r)
 
     def _fit(
         self, rows: list[list[float]], left: float, right: float, origin: float | None, halvings: int
@@ -317,17 +326,19 @@ class _Builder:
         if not low < centre < high:
             return False
         y = [arb(centre) + t * arb(half) for t in chebyshev(_NODES).nodes]
-        values = [self.values(x if origin is None else self.corners[origin] + x * x) for x in y]
+        values = [self._fitted(x if origin is None else self.corners[origin] + x * x) for x in y]
         coefficients = chebyshev(_NODES).coefficients(values)
         middle = (left + right) / 2 if origin is None else float(origin + centre**2)
-        size = max(self.values.mean_slope(np.array([left, middle, right])).min(), abs(float(coefficients[0])))
+        size = abs(float(coefficients[0]))
+        if self.decay is None:
+            size = max(self.values.mean_slope(np.array([left, middle, right])).min(), size)
         smooth = max(abs(float(c)) for c in coefficients[-2:]) <= _SMOOTH * size
         # An average of the slope is smooth on its whole width; the slope itself may be narrow between the nodes.
         if smooth and (not self.local or self.values.bounded(left, right, max(abs(float(x)) for x in values))):
             powers = chebyshev(_NODES).monomials(coefficients)
             for t in _BETWEEN:
                 x = arb(centre) + arb(t) * arb(half)
-                value = self.values(x if origin is None else self.corners[origin] + x * x)
+                value = self._fitted(x if origin is None else self.corners[origin] + x * x)
                 if not abs(float(powers(arb(t)) - value)) <= _UNITS * _EPSILON * size:
                     break
             else:

@@ -107,17 +107,24 @@ def _power(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
 
 
 def _root(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
-    """u^n (a u^2 + b u + c)^(k/2), k odd and >= -1, the quadratic positive: asinh. Holds u/sqrt(u^2 + w^2)."""
+    """u^n (a u^2 + b u + c)^(k/2), k odd and >= -1, the quadratic positive: asinh. Holds u/sqrt(u^2 + w^2).
+
+    Where its zeros may be real it is a logarithm, for a, b, c >= 0.
+    """
     base, exponent = node.as_base_exp()
     quadratic, times = coefficients(base, u), exponent + _HALF
     if len(quadratic) != 3 or not (times.is_Integer and times >= 0):
         return None
     a, b, c = quadratic
     gap = sp.factor(4 * a * c - b**2)
-    if not (a.is_positive and gap.is_positive):
+    if not (a.is_positive and (gap.is_positive or (b.is_positive and c.is_positive))):
         return None
     above, constant = _reduced(polynomial * base**times, base, sp.diff(base, u) / 2, u)
-    return above * sp.sqrt(base) + constant / sp.sqrt(a) * sp.asinh((2 * a * u + b) / sp.sqrt(gap))
+    if gap.is_positive:
+        arc = sp.asinh((2 * a * u + b) / sp.sqrt(gap))
+    else:
+        arc = sp.log(2 * sp.sqrt(a) * sp.sqrt(base) + 2 * a * u + b)
+    return above * sp.sqrt(base) + constant / sp.sqrt(a) * arc
 
 
 def _gaussian(polynomial: Expr, node: Expr, quadratic: list[Expr], u: Expr) -> Expr | None:
@@ -149,7 +156,7 @@ def _lognormal(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
 def _stretched(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     """Integrate u^q exp(-(u/w)^d), d and q symbolic: lower incomplete gamma functions."""
     match = as_stretched(factors, u)
-    if match is None:
+    if match is None or match[3].is_negative:
         return None
     front, q, k, d = match
     w = sp.powdenest(k ** (-1 / d))
@@ -157,16 +164,71 @@ def _stretched(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     return sp.Add(*[c * w ** (n + 1 + q) / d * sp.lowergamma((n + 1 + q) / d, (u / w) ** d) for (n,), c in terms])
 
 
-def _binomial(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
-    """Integrate u^n (b + a u^d)^p: b^p u^(n+1)/(n+1) 2F1(-p, q; 1 + q; -a u^d/b), q = (n + 1)/d."""
-    match = as_binomial(node, u)
+def _binomial(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
+    """Integrate u^n (b + a u^d)^p, n perhaps no integer, by b^p u^(n+1)/(n+1) 2F1(-p, e; 1 + e; -a u^d/b).
+
+    Here e = (n + 1)/d.
+    """
+    match = as_binomial(factors, u)
     if match is None:
         return None
-    b, a, d, p = match
+    q, b, a, d, p = match
     return b**p * sp.Add(*[
-        c * u ** (n + 1) / (n + 1) * sp.hyper((-p, (n + 1) / d), (1 + (n + 1) / d,), -a * u**d / b)
+        c * u ** (n + q + 1) / (n + q + 1) * sp.hyper((-p, (n + q + 1) / d), (1 + (n + q + 1) / d,), -a * u**d / b)
         for (n,), c in sp.Poly(polynomial, u).terms()
     ])  # fmt: skip
+
+
+def _exponential_of_inverse(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
+    """Integrate u^n exp(c - a/u), a > 0: exp(c) u^(n+1) E_(n+2)(a/u), by E_(k+1)(x) = (exp(-x) - x E_k(x))/k."""
+    constant, inverse = sp.expand(node.exp).as_independent(u, as_Add=True)
+    a = -inverse * u
+    if a.has(u) or not a.is_positive:
+        return None
+    x, total, top = a / u, sp.Integer(0), int(sp.degree(polynomial, u)) if polynomial.has(u) else 0
+    integral = sp.expint(1, x)
+    for n in range(top + 1):
+        integral = (sp.exp(-x) - x * integral) / (n + 1)
+        total += sp.expand(polynomial).coeff(u, n) * u ** (n + 1) * integral
+    return sp.exp(constant) * sp.expand(total)
+
+
+def _exponential_erf(polynomial: Expr, erf: Expr, exponential: Expr, u: Expr) -> Expr | None:
+    """Integrate u^n exp(-a u) erf(b u) by parts, what is left of which is Gaussian."""
+    line = coefficients(exponential.args[0], u)
+    inner = coefficients(erf.args[0], u)
+    if erf.is_Pow or len(line) != 2 or len(inner) != 2:
+        return None
+    whole = sp.factor_terms(_ladder(polynomial, exponential, line, u) / exponential)
+    exponent = sp.expand(exponential.args[0] - erf.args[0] ** 2)
+    left = _gaussian(
+        sp.expand(2 * inner[0] / sp.sqrt(sp.pi) * whole), sp.exp(exponent), coefficients(exponent, u), u
+    )
+    return None if left is None else whole * exponential * erf - left
+
+
+def _reciprocal_of_logarithm(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
+    """Integrate u^n/(c + b log(w)), w = r u + s: w^n gives exp(-(n + 1) c/b) Ei((n + 1) (log(w) + c/b))/(b r)."""
+    base, power = node.as_base_exp()
+    logarithms = [*base.atoms(sp.log)]
+    if power != -1 or len(logarithms) != 1:
+        return None
+    (logarithm,) = logarithms
+    line, c = coefficients(logarithm.args[0], u), base.subs(logarithm, 0)
+    b, w = base.coeff(logarithm), sp.Dummy("w", positive=True)
+    if (
+        len(line) != 2
+        or c.has(u)
+        or sp.expand(base - c - b * logarithm) != 0
+        or not (b.is_positive and c.is_positive)
+    ):
+        return None
+    if not (line[0].is_positive and (line[1] - 1).is_nonnegative):
+        return None
+    total = sp.Integer(0)
+    for (n,), front in sp.Poly(sp.expand(polynomial.subs(u, (w - line[1]) / line[0])), w).terms():
+        total += front * sp.exp(-(n + 1) * c / b) * sp.Ei((n + 1) * (logarithm + c / b))
+    return total / (b * line[0])
 
 
 def _rational(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
@@ -275,5 +337,8 @@ _RULES = (
     Rule("Lerch transcendent", (sp.exp, sp.tanh), _exponential_tanh),
     Rule("exponential integral", None, _exponential_over_linear),
     Rule("dilogarithm", None, _logarithm_over_linear),
-    Rule("hypergeometric function of a power", (sp.Pow,), _binomial),
+    Rule("exponential integral of an inverse", (sp.exp,), _exponential_of_inverse),
+    Rule("integration by parts, and Gaussian", (sp.erf, sp.exp), _exponential_erf),
+    Rule("exponential integral of a logarithm", (sp.Pow,), _reciprocal_of_logarithm),
+    Rule("hypergeometric function of a power", None, _binomial),
 )

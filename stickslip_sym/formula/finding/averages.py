@@ -131,7 +131,7 @@ def _shifted_power(rate: Expr, shift: Expr, p: Expr, V: Expr) -> Expr:
 def _series(polynomial: Expr, factors: Expr, u: Expr, V: Expr) -> Expr | None:
     """Average a polynomial times a hypergeometric series: the same series with the moments of the weight appended.
 
-    That is exp(-k u^d), d = 1/2, 1 or 2, (1 + k u^d)^p, d a whole number, or erf(k u). For other d of the
+    That is exp(-k u^d), d = 1/2, 1 or 2, u^q (1 + k u^d)^p, d a whole number, or erf(k u). For other d of the
     exponential such series are of no use: mpmath has no asymptotic series for 3F3 and above, and for d = a/b with
     b > 1 the parts cancel about 0.43 (2 V/w)^d digits.
     """
@@ -140,7 +140,7 @@ def _series(polynomial: Expr, factors: Expr, u: Expr, V: Expr) -> Expr | None:
         front, q, k, d = stretched
         z, known = -k, d in (_HALF, 1, 2)
     elif (binomial := as_binomial(factors, u)) is not None:
-        b, a, d, p = binomial
+        q, b, a, d, p = binomial
         front, upper, z, known = b**p, [-p], -a / b, d.is_Integer
     else:
         line = coefficients(factors.args[0], u) if isinstance(factors, sp.erf) else []
@@ -211,10 +211,11 @@ def _logarithm(polynomial: Expr, node: Expr, line: list[Expr], u: Expr, V: Expr)
 
 def _arctangent(polynomial: Expr, node: Expr, line: list[Expr], u: Expr, V: Expr) -> Expr | None:
     """Average u^n atan(a u + b): the imaginary part of the rule for the logarithm of u + x + i y."""
-    if node.is_Pow:
+    if node.is_Pow or (line[0].is_nonnegative is None and line[1] != 0):
         return None
-    sign = -1 if line[0].is_negative else 1  # SymPy writes atan(u/w - a) as -atan(a - u/w)
-    x, y = line[1] / line[0], sign / line[0]
+    # SymPy writes atan(u/w - a) as -atan(a - u/w); the arctangent is odd.
+    sign = {True: sp.S.One, False: sp.S.NegativeOne}.get(line[0].is_nonnegative, line[0] / sp.Abs(line[0]))
+    x, y = line[1] / line[0], 1 / (sign * line[0] if line[0].is_nonnegative is not None else sp.Abs(line[0]))
     return sign * _of_complex_logarithm(polynomial, x, y, lambda p, q: sp.atan(p / q), lambda p, q: q, u, V)
 
 

@@ -65,14 +65,19 @@ def as_power(node: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr] | None:
     return (base, *line, p) if len(line) == 2 and not (p.has(u) or p.is_integer) else None
 
 
-def as_binomial(node: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr] | None:
-    """Match (b + a u^d)^p, all of a, b, d positive; return b, a, d, p."""
-    base, p = node.as_base_exp()
+def as_binomial(factors: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr, Expr] | None:
+    """Match u^q (b + a u^d)^p, all of a, b, d positive; return q, b, a, d, p."""
+    powers = [factor.as_base_exp() for factor in sp.Mul.make_args(factors)]
+    q = sp.Add(*[p for base, p in powers if base == u])
+    others = [power for power in powers if power[0] != u]
+    if len(others) != 1 or q.has(u):
+        return None
+    ((base, p),) = others
     b, power = base.as_independent(u, as_Add=True)
     a, monomial = power.as_independent(u, as_Add=False)
     of, d = monomial.as_base_exp()
     positive = a.is_positive and b.is_positive and d.is_positive
-    return (b, a, d, p) if of == u and positive and not (p.has(u) or d.has(u)) else None
+    return (q, b, a, d, p) if of == u and positive and not (p.has(u) or d.has(u)) else None
 
 
 def as_stretched(factors: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr] | None:

@@ -140,7 +140,14 @@ def value_at(primitive: Expr, x: Expr, place: Expr) -> Expr:
 
 
 def _limit_of_term(term: Expr, x: Expr) -> Expr:
-    """Return the limit of a product as x falls to 0: x^p log(x)^n vanishes for p > 0, erf(log(x)) tends to -1."""
+    """Return the limit of a product as x falls to 0: x^p log(x)^n vanishes for p > 0, erf(log(x)) tends to -1.
+
+    A product of powers of x with exp(-a/x) or E_1(a/x), a > 0, vanishes too.
+    """
+    factors = sp.Mul.make_args(term)
+    if any(_vanishes_at_rest(factor, x) for factor in factors):
+        others = [factor for factor in factors if factor.has(x) and not _vanishes_at_rest(factor, x)]
+        return sp.S.Zero if all(factor.as_base_exp()[0] == x for factor in others) else sp.nan
     term = term.replace(
         lambda node: isinstance(node, sp.erf) and _falls(node.args[0], x), lambda node: sp.S.NegativeOne
     )
@@ -160,6 +167,18 @@ def _limit_of_term(term: Expr, x: Expr) -> Expr:
     p = sp.Mul(*others).as_powers_dict()[x]
     vanishes = p.is_positive and not p.has(x) and not (sp.Mul(*others) / x**p).subs(x, 0).has(*_INFINITE)
     return sp.Integer(0) if vanishes else sp.nan
+
+
+def _vanishes_at_rest(factor: Expr, x: Expr) -> bool:
+    """Whether a factor is exp(-a/x + b) or E_1(a/x), a > 0."""
+    if isinstance(factor, sp.exp):
+        rate = -sp.expand(factor.exp).coeff(x, -1)
+        rest = sp.expand(factor.exp + rate / x)
+    elif isinstance(factor, sp.expint):
+        rate, rest = sp.expand(factor.args[1] * x), sp.S.Zero
+    else:
+        return False
+    return bool(rate.is_positive) and not rate.has(x) and not rest.has(x)
 
 
 def _falls(expr: Expr, x: Expr) -> bool:

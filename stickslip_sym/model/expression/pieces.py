@@ -12,7 +12,7 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.balls import chosen, number_at
+from stickslip_sym.core.balls import chosen, place_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import power, row
 
@@ -114,14 +114,28 @@ def kinks_at(expr: Expr, point: Mapping[Expr, Expr], what: str = "mu") -> list[E
 
     A place that is not real at the values of the parameters is refused.
     """
-    speeds = {place: number_at(place, point) for place in places(expr)}
+    speeds = {place: place_at(place, point) for place in places(expr)}
     for place, speed in speeds.items():
-        if not speed.is_real:
+        if not speed.is_extended_real:
             raise InputError(
                 f"{what} has a kink at v = {str(place)[:40]}, which is no real number at these values; give other "
                 "values, or write the law without this kink"
             )
-    return sorted(speed for speed in set(speeds.values()) if speed > 0)
+    return sorted(speed for speed in set(speeds.values()) if 0 < speed < sp.oo)
+
+
+def without_endless(expr: Expr, point: Mapping[Expr, Expr]) -> Expr:
+    """Return an expression without the kinks whose places no speed reaches at the values of the parameters.
+
+    Arithmetic of floats would divide by 0 there.
+    """
+    if not expr.has(sp.Piecewise) or all(point.values()):
+        return expr
+    relations = [relation for relation in expr.atoms(*RELATIONS) if relation.has(symbols.v)]
+    ends = {relation: place_at(place_of(relation), point) for relation in relations}
+    return expr.xreplace(
+        {relation: sp.sympify(end > 0) for relation, end in ends.items() if end in (sp.oo, -sp.oo)}
+    )
 
 
 def jumps(expr: Expr, point: Mapping[Expr, Expr]) -> list[tuple[Expr, Expr]]:
@@ -129,7 +143,7 @@ def jumps(expr: Expr, point: Mapping[Expr, Expr]) -> list[tuple[Expr, Expr]]:
 
     Both are formulas, of the pieces that meet there at the values of the parameters.
     """
-    formulas = {number_at(place, point): chosen(place, point) for place in places(expr)}
+    formulas = {place_at(place, point): chosen(place, point) for place in places(expr)}
     heights: list[tuple[Expr, Expr]] = []
     left = branch_from(expr, point, sp.Integer(0))
     for speed in kinks_at(expr, point):

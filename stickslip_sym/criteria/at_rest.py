@@ -1,0 +1,111 @@
+"""Coefficients that vanish at rest faster than any power of v, such as exp(-g/v): how they fall, and bounds.
+
+No ball around v = 0 is finite there. What such a coefficient adds below some speed is bounded by its value at that
+speed, since it rises from 0; above it balls are as small as they are anywhere.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import sympy as sp
+from flint import acb, arb
+
+from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.balls import ball, ball_value, number_at
+
+
+@dataclass(frozen=True)
+class Decay:
+    """exp(-rate v^-order) with rate and order > 0."""
+
+    rate: Expr
+    order: Expr
+
+    @property
+    def function(self) -> Expr:
+        """It at v = 2 V."""
+        return sp.exp(-self.rate * (2 * symbols.V) ** -self.order)
+
+    def exponent(self, v: arb) -> arb:
+        """Return rate v^-order."""
+        return ball(self.rate).real * v ** (-ball(self.order).real)
+
+    def ball(self, v: arb) -> arb:
+        """Return it at a speed."""
+        return (-self.exponent(v)).exp()
+
+    def steepness(self, v: float) -> float:
+        """Return by how much more its relative error is than that of the speed."""
+        return float(self.exponent(arb(v)) * ball(self.order).real)
+
+    def below(self, reach: arb, bits: int) -> arb:
+        """Return a speed where it is so many bits below what it is at another one."""
+        rate, order = ball(self.rate).real, ball(self.order).real
+        return ((reach ** (-order) + bits * arb.const_log2() / rate) ** (-1 / order)).mid()
+
+
+def decay_at_rest(mu: Expr, point: Mapping[Expr, Expr | acb]) -> Decay | None:
+    """Return the slowest exponential by which a smooth coefficient, or a term of it, vanishes at rest."""
+    decays = [decay for node in mu.atoms(sp.exp) if (decay := _leading(node, point)) is not None]
+    return min(decays, key=lambda decay: (decay.order, decay.rate), default=None)
+
+
+def _leading(node: Expr, point: Mapping[Expr, Expr | acb]) -> Decay | None:
+    terms = _powers(node, point)
+    if not terms:
+        return None
+    power, rate = min(terms)
+    return Decay(-rate, -power) if power < 0 and rate < 0 else None
+
+
+def _powers(node: Expr, point: Mapping[Expr, Expr | acb]) -> list[tuple[Expr, Expr]]:
+    """Return exponents and coefficients of an exponential's argument; nothing if it is no sum of powers of v."""
+    values = {symbol: value for symbol, value in point.items() if not isinstance(value, acb)}
+    powers: dict[Expr, Expr] = {}
+    for term in sp.Add.make_args(sp.expand(node.exp)):
+        coefficient, power = sp.expand_power_base(term, force=True).as_coeff_exponent(symbols.v)
+        if coefficient.has(symbols.v) or (coefficient.free_symbols | power.free_symbols) - values.keys():
+            return []
+        power = number_at(power, values)
+        powers[power] = powers.get(power, sp.S.Zero) + number_at(coefficient, values)
+    return [(power, c) for power, c in powers.items() if c != 0] if all(c.is_real for c in powers.values()) else []
+
+
+def vanishing(mu: Expr, point: Mapping[Expr, Expr | acb]) -> tuple[Expr, Expr]:
+    """Return a smooth coefficient without its terms that vanish faster than any power, and these."""
+    regular, vanished = list[Expr](), list[Expr]()
+    for term in sp.Add.make_args(sp.expand_mul(mu)):
+        decays = any(_leading(node, point) for node in term.args if isinstance(node, sp.exp)) or (
+            isinstance(term, sp.exp) and _leading(term, point)
+        )
+        (vanished if decays else regular).append(term)
+    return sp.Add(*regular), sp.Add(*vanished)
+
+
+def bound_below(vanished: Expr, point: Mapping[Expr, Expr | acb], end: arb) -> arb:
+    """Return a bound on what vanishes faster than any power, from v = 0 to a speed; not finite without one."""
+    around = acb(arb(end / 2, (end / 2).abs_upper()))
+    total = arb(0)
+    for term in sp.Add.make_args(vanished):
+        size, power, exponent, order = arb(1), sp.S.Zero, arb(0), arb(0)
+        for factor in sp.Mul.make_args(term):
+            base, p = factor.as_base_exp()
+            decay = _leading(factor, point) if isinstance(factor, sp.exp) else None
+            if decay is not None and exponent == 0:
+                leading, order = decay.exponent(end), ball(decay.order).real
+                others = [abs(ball(c).real) * end ** ball(e).real for e, c in _powers(factor, point)
+                          if e != -decay.order]  # fmt: skip
+                beside = sum(others, arb(0))
+                if not beside <= leading / 2:  # then it is less, the lower the speed
+                    return arb.nan()
+                exponent = leading - beside
+            elif base == symbols.v and not p.has(symbols.v):
+                power += p
+            else:
+                size *= abs(ball_value(factor, {**point, symbols.v: around}).real)
+        lowered = ball_value(sp.sympify(power), point).real
+        if not exponent * order >= -lowered:  # so far v^power times the exponential rises
+            return arb.nan()
+        total += size * end**lowered * (-exponent).exp()
+    return total

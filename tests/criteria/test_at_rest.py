@@ -1,0 +1,59 @@
+"""Coefficients that vanish at rest faster than any power, such as exp(-g/v): enclosed, computed, and written."""
+
+import random
+
+import mpmath
+import numpy as np
+import pytest
+
+import stickslip_sym as ss
+from stickslip_sym import quadrature
+
+RNG = random.Random(4010)
+
+
+def a_law():
+    """Return a random law with a term c v^k exp(-g/v^b + h) beside others."""
+    c, g, k, b = RNG.uniform(-0.3, 0.3), RNG.uniform(0.2, 2), RNG.choice([0, 1, 0.5]), RNG.choice([1, 2, 0.5])
+    inner = f"-{g:.3f}/v^{b}" + RNG.choice(["", " - 0.5*v", " + 0.2/v^0.25"])
+    return RNG.choice(["", "0.4 - 0.1*v + ", "0.3*exp(-v) + "]) + f"({c:.3f})*v^{k}*exp({inner})"
+
+
+LAWS = [a_law() for _ in range(2)]
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("criterion", ["least_squares", "harmonic"])
+def test_what_vanishes_at_rest_is_enclosed(law, criterion):
+    V = f"{10 ** RNG.uniform(-1.5, 1):.3g}"
+    enclosure = ss.enclose(law, criterion, V=V, N=1, digits=20)
+    assert enclosure.digits >= 20
+    assert float(quadrature.damping(law, criterion, V=V, N=1, digits=12)) == pytest.approx(
+        float(enclosure), rel=1e-12
+    )
+
+
+def test_an_enclosure_keeps_its_digits_however_slow_the_belt():
+    """The average of exp(-1/v) is about exp(-1/(2 V)); a bound that is absolute would swallow it."""
+    for V in ("0.01", "0.001", "0.0001"):
+        enclosure = ss.enclose("exp(-1/v)", V=V, N=1, digits=25)
+        exact = ss.derive("exp(-1/v)").evaluate(30, V=V, N=1)
+        assert enclosure.digits >= 25
+        assert abs(exact / mpmath.mpmathify(enclosure.mid) - 1) < 1e-25
+
+
+def test_fast_functions_of_it_agree_with_balls():
+    criterion = "least_squares"
+    law = ss.FrictionLaw("0.4 - 0.1*v + b*exp(-g/v)").bind(b="0.3", g="0.7")
+    fast = ss.slope_average(law, criterion)
+    speeds = np.array([1e-4, 4e-3, 0.03, 0.2, 1.0, 7.0, 1e3])
+    exact = [float(ss.enclose(law, criterion, V=V, N=2)) for V in speeds]
+    assert fast(V=speeds, N=2.0) == pytest.approx(exact, rel=1e-14)
+    namespace = {}
+    exec(fast.code("python"), namespace)
+    assert namespace["damping"](speeds, 2.0, 0.3, 0.7) == pytest.approx(exact, rel=1e-14)
+
+
+def test_a_certificate_in_balls_is_refused_in_words():
+    with pytest.raises(ss.InputError, match="vanishes at rest faster than any power"):
+        ss.enclose("exp(-1/v)", V=1, N=1).certificate()
