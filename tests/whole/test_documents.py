@@ -14,7 +14,6 @@ from pathlib import Path
 
 import pytest
 from commands import inside
-from sweeps import sweep
 
 import stickslip_sym as ss
 from paper_checks.claims import CLAIMS
@@ -32,11 +31,6 @@ DOCUMENTS = {
 TIME = re.compile(r"\b[\d.]+ (ns|us|ms|s)\b")
 ROUNDING = re.compile(r"\b\d\.\de-1[4-9]\b")
 PATH = re.compile(r"`([\w./]+(?:/|\.py|\.md|\.cff))`|\]\(([\w./]+)\)")
-
-
-def sweep_documents(names, cases):
-    """Leave all but these to ``--thorough``, and to where the documentation is built."""
-    return sweep(names, cases, *(case for case in cases if case[0] in ("README.md", "CONTRIBUTING.md")))
 
 
 def blocks(language, names=DOCUMENTS):
@@ -66,12 +60,11 @@ def stated(code):
     return re.findall(r"^# (.*)$", code, re.M)
 
 
-@sweep_documents(("name", "code"), blocks("python", [name for name in DOCUMENTS if name != DERIVATION]))
+@pytest.mark.parametrize(("name", "code"), blocks("python", [name for name in DOCUMENTS if name != DERIVATION]))
 def test_python_blocks_print_what_they_say(name, code):
     assert printed(code, {}) == stated(code)
 
 
-@pytest.mark.thorough
 def test_derivation_prints_what_it_says():
     """In plain SymPy: this package enters in the last cell only."""
     cells = [cell for _, cell in blocks("python", [DERIVATION])]
@@ -88,7 +81,7 @@ SESSIONS = [
 ]
 
 
-@sweep_documents(("name", "command", "output"), SESSIONS)
+@pytest.mark.parametrize(("name", "command", "output"), SESSIONS)
 def test_console_blocks_print_what_they_say(name, command, output, tmp_path):
     """Away from the repository, for a command may write files."""
     program, *arguments = shlex.split(command)
@@ -124,7 +117,6 @@ def test_files_that_a_document_names_exist(name):
     assert {path for path in named if not any((base / path).exists() for base in bases)} == set()
 
 
-@pytest.mark.thorough
 def test_gallery_draws_its_pictures(tmp_path):
     pytest.importorskip("matplotlib")
     runpy.run_path(str(ROOT / DOCS / "gallery.py"))["draw"](tmp_path)
