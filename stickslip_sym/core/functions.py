@@ -81,8 +81,8 @@ class Function:
         return str(self.kind.__name__)
 
     def call(self, language: str, *arguments: str) -> str | None:
-        """Return a call in a language, "c", "python" or "octave"; None where it has no such function."""
-        text: str | None = getattr(self, language) or (self.c if language == "octave" else None)
+        """Return a call in a language of the table, by its column or that of C; None where it has none."""
+        text: str | None = getattr(self, language, None) or (None if language == "python" else self.c)
         if text is None:
             return None
         return text.format(*arguments) if "{" in text else f"{text}({', '.join(arguments)})"

@@ -64,7 +64,7 @@ def export_code(forms: SlopeAverage | Sequence[SlopeAverage], language: str) -> 
     ----------
     forms : SlopeAverage, such as a ClosedForm, or a sequence of them
     language : str
-        "python", "c" (C99 with libm) or "octave" (MATLAB reads it too).
+        "python", "c" (C99 with libm), "octave" (MATLAB reads it too) or "javascript".
 
     Returns
     -------

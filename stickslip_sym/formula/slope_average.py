@@ -277,10 +277,11 @@ class SlopeAverage:
     # -- what is made of it --------------------------------------------------------------------------
 
     def code(self, language: str) -> str:
-        """Return text of a language, "c", "python" or "octave", that defines a function ``damping`` of V, N, ...
+        """Return text of a language that defines a function ``damping`` of V, N, ...
 
-        It has the branches of a call, and gives NaN where a call refuses. Where terms cancel, a call turns to
-        ball arithmetic, and the text adds them up as they are.
+        The language is "c", "python", "octave" or "javascript". The text has the branches of a call, and gives
+        NaN where a call refuses. Where terms cancel, a call turns to ball arithmetic, and the text adds them up
+        as they are.
 
         Raises
         ------

@@ -154,10 +154,14 @@ def test_reader_refuses_what_has_two_readings(latex):
 
 # -- code -------------------------------------------------------------------------------------------
 
-PAGE = WRITTEN["python"].page
+PAGE, JAVASCRIPT = WRITTEN["python"].page, WRITTEN["javascript"].page
 FUNCTIONS = {
     "python": (PAGE["head"] + PAGE["shared"] + "\n\n", "def {name}({names}):\n    return {text}\n"),
     "c": ("#include <math.h>\n", "double {name}({typed})\n{{\n    return {text};\n}}\n"),
+    "javascript": (
+        JAVASCRIPT["head"] + JAVASCRIPT["shared"],
+        "function {name}({names}) {{\n  return {text};\n}}\n",
+    ),
     "octave": ("1;\n", "function value = {name}({names})\n    value = {text};\nend\n"),
 }
 """What stands before the functions of a file, and what one looks like."""
@@ -206,7 +210,7 @@ def test_code_that_drops_brackets_is_caught(monkeypatch, tmp_path):
     assert sum(not agrees(got, expected) for *_, got, expected in computed("python", 0, tmp_path)) >= 10
 
 
-@pytest.mark.parametrize("name", ["python", "c", "octave"])
+@pytest.mark.parametrize("name", ["python", "c", "octave", "javascript"])
 @pytest.mark.parametrize(
     "function", [sp.besseli(1, V), sp.polylog(2, -V), sp.erfi(V), sp.gamma(V), sp.elliptic_e(V)]
 )

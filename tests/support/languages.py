@@ -1,13 +1,14 @@
-"""Exported code run in its language: Python here, C99 without a word of warning, Octave."""
+"""Exported code run in its language: Python here, C99 without a word of warning, Octave, JavaScript."""
 
 import ctypes
+import json
 import re
 import shutil
 import subprocess
 
 import numpy as np
 
-PROGRAMS = {"python": None, "c": "cc", "octave": "octave-cli"}
+PROGRAMS = {"python": None, "c": "cc", "octave": "octave-cli", "javascript": "node"}
 """What runs the text of a language beside this process."""
 
 
@@ -34,9 +35,10 @@ def compiled(text, folder, allowed=()):
 
 
 def values_of(language, text, calls, folder, allowed=()):
-    """Return the values of calls, each a name and numbers (or arrays, but for C), of the functions in a text.
+    """Return the values of calls, each a name and numbers, of the functions in a text.
 
-    `allowed` are options of the C compiler that take a warning back.
+    In Python and Octave the numbers may be arrays. `allowed` are options of the C compiler that take a warning
+    back.
     """
     if language == "python":
         exec(compile(text, "text", "exec"), module := {})
@@ -44,6 +46,15 @@ def values_of(language, text, calls, folder, allowed=()):
     if language == "c":
         value = compiled(text, folder, allowed)
         return [value(name, numbers) for name, numbers in calls]
+    if language == "javascript":
+        lines = [
+            f"console.log({name}({', '.join(json.dumps(float(n)) for n in numbers)}));" for name, numbers in calls
+        ]
+        text = "\n".join([text, *lines])
+        (folder / "calls.js").write_text(text)
+        command = ["node", "calls.js"]
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=60, check=True)
+        return [float(line) for line in done.stdout.split()]
     file = re.search(r"^function \w+ = (\w+)\(", text, re.M)[1]
     several = file == "damping_criteria"
     head = "criteria = damping_criteria();\n" if several else ""

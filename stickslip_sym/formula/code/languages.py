@@ -81,5 +81,16 @@ LANGUAGES = {
         next_row="; ...\n    ",
         main_first=True,
     ),
+    "javascript": Language(
+        "javascript",
+        "JavaScript, for a page.",
+        _HERE / "javascript.txt",
+        power="Math.pow({}, {})",
+        nan="NaN",
+        infinity="Infinity",
+        extremes=("Math.max", "Math.min"),
+        comment="   ",
+        never=("*/",),
+    ),
 }
 """Languages by name. One that is put here is known by its name, and an option of the command, from then on."""

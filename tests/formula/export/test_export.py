@@ -202,7 +202,7 @@ def test_several_criteria_in_one_file(language, tmp_path):
 
 def test_code_of_one_form_is_its_own():
     form = form_of("polynomial", "harmonic")
-    for language in ("c", "python", "octave"):
+    for language in ("c", "python", "octave", "javascript"):
         assert ss.export_code([form], language) == ss.export_code(form, language) == form.code(language)
 
 
@@ -231,7 +231,7 @@ def test_a_law_that_was_loaded_is_printed_once(tmp_path):
 
 
 def test_command_writes_all_outputs(tmp_path):
-    files = {kind: f"a.{kind}" for kind in ("latex", "python", "c", "octave", "save")}
+    files = {kind: f"a.{kind}" for kind in ("latex", "python", "c", "octave", "javascript", "save")}
     options = [word for kind, name in files.items() for word in (f"--{kind}", name)]
     done = stickslip("export", "polynomial", *options, "--symbol", "V=v_b", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
