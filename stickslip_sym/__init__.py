@@ -5,8 +5,24 @@ m x'' + c x' + k x = N mu(V - x') needs so that it does not stick and slip. The 
 beside this file, and are loaded when first used: importing the package is cheap.
 """
 
+from typing import Any
+
 import lazy_loader
 
 from stickslip_sym.core.version import __version__ as __version__
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_public, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name; for a class of results say where it is."""
+    try:
+        return _public(name)
+    except AttributeError:
+        if name[0].isupper():
+            from stickslip_sym import results
+
+            if name in results.__all__:
+                message = f"module {__name__!r} has no attribute {name!r}; it is {__name__}.results.{name}"
+                raise AttributeError(message) from None
+        raise

@@ -1,6 +1,7 @@
 __version__: str
 
 from . import criteria as criteria
+from . import results as results
 from .comparison.compare import compare as compare
 from .comparison.study import study as study
 from .comparison.tradeoff import tradeoff as tradeoff

@@ -39,7 +39,7 @@ from stickslip_sym.motion.simulation.simulate import simulate
 from stickslip_sym.motion.simulation.trajectory import Phase, Trajectory
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.motion.thresholds.uncertainty import Budget
-from stickslip_sym.output import printing
+from stickslip_sym.output import markup, printing
 from stickslip_sym.output.browser import print_to_pdf
 from stickslip_sym.output.drawing import BLUE, GREEN, ORANGE, finish, new_figure, styled, svg_uri
 from stickslip_sym.output.files import write_text
@@ -357,8 +357,11 @@ class Study:
         return "\n".join([*(f"warning: {text}" for text in self.warnings), headline, point, *others])
 
     def __repr__(self) -> str:
-        sentences = (f"{line.removesuffix('.')}." for line in str(self).splitlines())
-        return f"Study: {' '.join(sentences)}"
+        return f"Study: {self.headline}"
+
+    def _repr_html_(self) -> str:
+        answers = [[row.name, row.text("value", ".10g")] for row in self.answers]
+        return markup.block(*str(self).splitlines(), markup.table(["method", "c in kg/s"], answers))
 
 
 def _rounded(value: float, error: float | None) -> str:

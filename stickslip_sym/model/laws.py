@@ -17,6 +17,7 @@ from stickslip_sym.core.numbers import lookup, suggestion
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.parsing import NAME
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.output import markup, printing
 
 __all__ = ["Catalogue", "as_law", "laws"]
 
@@ -48,6 +49,13 @@ class Catalogue(UserDict[str, FrictionLaw]):
     def catalogue(self) -> Self:
         """The catalogue itself, as a mapping."""
         return self
+
+    def _repr_html_(self) -> str:
+        rows = [
+            [name, markup.formula(f"\\mu(v) = {printing.latex(law.expr)}"), law.source or ""]
+            for name, law in self.items()
+        ]
+        return markup.block(markup.table(["law", "coefficient of friction", "source"], rows))
 
     def find(self, name: str) -> FrictionLaw:
         """Return a law by its name; for another name the refusal suggests the closest one."""

@@ -56,12 +56,14 @@ def results():
         "trajectory": ss.simulate(law, both, t_end=5.0),
         "map": ss.motion_map(law, x=("V", [0.1, 0.9]), y=("alpha", [2.0, 3.0]), c=2.2, **at),
         "basins": ss.basin_map(law, both, x0=[0.0, 0.05], v0=[0.0, 0.5]),
+        "study": ss.study(law, both),
     }
 
 
 NAMES = [
     "law", "sampled", "form", "average", "derivation", "step", "verdict", "refuted", "threshold", "thresholds",
     "unknown", "speed", "cycle", "limit_cycle", "regime", "rest", "separatrix", "trajectory", "map", "basins",
+    "study",
 ]  # fmt: skip
 SAID = {
     "law": ("exponential", "s/m", "decay rate", "source: Won & Chung 2016", r"\mu(v) = "),
@@ -72,6 +74,7 @@ SAID = {
     "limit_cycle": ("unstable pure-slip limit cycle", "1/s"), "speed": ("m/s",),
     "regime": ("rest at x = 0.0261867 m", "attracts", "does not attract", "stick-slip of period"),
     "trajectory": ("v in m/s", "samples from t = 0 to 5 s", "slip, slower than the belt"),
+    "study": ("below the threshold", "simulation", "2.573078879"),
     "map": ("V = 0.1 to 0.9 m/s by alpha = 2 to 3 s/m", "cells"), "basins": ("initial conditions", "stick-slip"),
 }  # fmt: skip
 """What a notebook's page says beside the terminal's line."""
@@ -207,3 +210,8 @@ def test_text_of_a_user_stays_text():
 def test_notebook_finds_what_it_shows(name, kinds, results):
     data, _ = pytest.importorskip("IPython.core.formatters").DisplayFormatter().format(results[name])
     assert data.keys() == {"text/plain", *(f"text/{kind}" for kind in kinds.split())}
+
+
+def test_the_catalogue_has_a_table():
+    _, text = read(ss.laws._repr_html_())
+    assert all(name in text and law.source[:20] in text for name, law in ss.laws.items())

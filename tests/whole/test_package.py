@@ -2,6 +2,7 @@
 
 import importlib
 import inspect
+import re
 import subprocess
 import sys
 import tomllib
@@ -76,7 +77,7 @@ def test_using_the_package_imports_no_extra():
 def test_public_names_need_no_import_before():
     for module in MODULES:
         importlib.import_module(module)
-    modules = {"criteria", "laws", "quadrature", "symbols"}
+    modules = {"criteria", "laws", "quadrature", "results", "symbols"}
     for name in ss.__all__:
         value = getattr(ss, name)
         assert value.__doc__
@@ -85,6 +86,45 @@ def test_public_names_need_no_import_before():
     assert ss.__version__
     with pytest.raises(AttributeError, match="nonsense"):
         _ = ss.nonsense
+
+
+def annotated(function):
+    """Return the names in what a function says that it returns."""
+    return set(re.findall(r"\w+", str(getattr(function, "__annotations__", {}).get("return", ""))))
+
+
+def test_every_class_that_public_functions_return_is_a_result():
+    """And those that their methods and properties return, in turn, where users call them."""
+    ours = {}
+    for module in MODULES:
+        for name, value in vars(importlib.import_module(module)).items():
+            if isinstance(value, type) and value.__module__ == module:
+                ours.setdefault(name, set()).add(value)
+    classes = {name: getattr(ss.results, name) for name in ss.results.__all__}
+    assert all(one in ours[name] for name, one in classes.items())
+    returned = set().union(*map(annotated, FUNCTIONS.values())) & set(ours)
+    assert returned - set(classes) - set(ss.__all__) == set()
+    assert len(returned & set(classes)) > 15
+    members = [value for one in classes.values() for name, value in vars(one).items() if not name.startswith("_")]
+    functions = [getattr(member, "fget", None) or getattr(member, "func", member) for member in members]
+    assert set().union(*map(annotated, functions)) & set(ours) - set(classes) - set(ss.__all__) == KERNEL
+
+
+KERNEL = {"Dimensionless", "Expansion", "Term", "TermFunction"}
+"""What results compute with: no user has to name it."""
+
+
+def test_a_class_of_results_says_where_it_is():
+    with pytest.raises(AttributeError, match=r"it is stickslip_sym\.results\.Threshold"):
+        _ = ss.Threshold
+
+
+def test_a_threshold_is_a_number():
+    law = ss.laws.exponential.typical()
+    threshold = ss.pure_slip_damping(law, V=0.5, N=9.81)
+    assert float(threshold) == threshold.value
+    with pytest.raises(ss.InputError, match="2 thresholds are no single number"):
+        float(ss.pure_slip_damping(law, V=[0.5, 0.6], N=9.81))
 
 
 def test_signatures_of_public_functions_can_be_read():

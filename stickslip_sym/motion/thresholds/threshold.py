@@ -13,7 +13,7 @@ import numpy as np
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray
-from stickslip_sym.core.errors import NO_RESULT, OutOfTime
+from stickslip_sym.core.errors import NO_RESULT, InputError, OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.uncertain import with_error
@@ -212,6 +212,12 @@ class Threshold:
 
     def __repr__(self) -> str:
         return f"Threshold: {self}"
+
+    def __float__(self) -> float:
+        """The threshold in kg/s; several are refused."""
+        if np.ndim(self.value):
+            raise InputError(f"{self.value.size} thresholds are no single number; take value, an array of them")
+        return float(self.value)
 
     def _repr_html_(self) -> str:
         value, method = np.atleast_1d(self.value), np.atleast_1d(self.method)
