@@ -26,6 +26,7 @@ from stickslip_sym.formula.proof.proving import Verdict, prove_equal
 from stickslip_sym.formula.slope_average import SlopeAverage
 from stickslip_sym.formula.tidy import tidy
 from stickslip_sym.model.expression.parameters import Parameter
+from stickslip_sym.model.expression.pieces import with_means
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.terms import Term, shapes_of
@@ -175,7 +176,7 @@ class ClosedForm(SlopeAverage):
     def _formula(self) -> tuple[Expr, Expr]:
         """The formula, or the slope itself where it is the criterion: there 1 - tanh^2 is seen; and the slope."""
         slope = sp.Add(*[sp.diff(term.expr, v) for term in self.terms])
-        return -N * slope.subs(v, V) if self.criterion.weight is None else self.expr, slope
+        return -N * with_means(slope).subs(v, V) if self.criterion.weight is None else self.expr, slope
 
     def _exactly(self, point: Mapping[Expr, Expr], digits: int) -> Mpf:
         """Return the value at exact arguments: by the formula, and where it has none, by the definition's balls.

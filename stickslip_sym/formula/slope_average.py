@@ -23,6 +23,7 @@ from stickslip_sym.formula.code import writer
 from stickslip_sym.formula.evaluation.term_function import TermFunction, count_of
 from stickslip_sym.formula.evaluation.values import MeanSlope
 from stickslip_sym.formula.exact import exact_value
+from stickslip_sym.model.expression.pieces import with_means
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.terms import Term
@@ -72,7 +73,8 @@ class SlopeAverage:
         """Return the value at exact arguments, by an enclosure of the definition."""
         if point[symbols.V] == 0 or self.criterion.weight is None:
             slope = self.law.slope_expr
-            return exact_value(-symbols.N * slope.subs(symbols.v, symbols.V), slope, point, digits)
+            at_belt = with_means(slope).subs(symbols.v, symbols.V)
+            return exact_value(-symbols.N * at_belt, slope, point, digits)
         law = self.law.bind(**{name: point[s] for name, s in self.arguments.items() if name not in ("V", "N")})
         enclosure = enclose(law, self.criterion, V=point[symbols.V], N=point[symbols.N], digits=digits)
         middle = (

@@ -16,6 +16,7 @@ from strategies import laws
 import stickslip_sym as ss
 from stickslip_sym.core import balls, symbols
 from stickslip_sym.model.expression.pieces import branch_from
+from stickslip_sym.model.expression.transitions import transitions
 from stickslip_sym.model.table import FARTHEST, FrictionTable
 from stickslip_sym.motion.steps import slope_at
 
@@ -128,17 +129,41 @@ def test_narrow_laws_within_enclosures(shape):
 
 def test_a_step_between_the_nodes_is_seen():
     """The step lies half-way between two nodes of a piece of the same law without it."""
-    smooth = FrictionTable.of(ss.FrictionLaw("0.2 + 0.3*exp(-3*v)"))
-    _, middle, scale, *_ = smooth.pieces[1]
-    between = middle + math.cos(math.pi * 8 / 15) / scale
+    smooth, text = between_nodes()
+    between = float(text)
     for step in ("0.001*tanh((v - {a})/0.0000001)", "0.001*tanh((exp(v) - exp({a}))/0.0000001)"):
-        law = ss.FrictionLaw(f"0.2 + 0.3*exp(-3*v) + {step}".format(a=np.format_float_positional(between)))
+        law = ss.FrictionLaw(f"{smooth} + {step}".format(a=text))
         table = FrictionTable.of(law)
         for v in (between * 0.999, between * 1.001):
             assert table.rise(v) == pytest.approx(law.mu(v) - law.mu(0.0), rel=1e-13)
         assert np.diff(table.narrow).min() < 1e-6
         assert not table.resolved(0.0, 2 * between, 100)
         assert table.resolved(0.0, 0.5 * between, 100)
+
+
+def between_nodes():
+    """Return a law, and a speed half-way between two nodes of a piece of its table."""
+    smooth = "0.2 + 0.3*exp(-3*v)"
+    _, middle, scale, *_ = FrictionTable.of(ss.FrictionLaw(smooth)).pieces[1]
+    return smooth, np.format_float_positional(middle + math.cos(math.pi * 8 / 15) / scale)
+
+
+def test_a_bump_of_a_derivative_is_known_from_its_formula():
+    """No ball is asked about a derivative by a parameter, and the bump lies between the nodes."""
+    smooth, between = between_nodes()
+    law = ss.FrictionLaw(f"{smooth} + h*exp(-((v - {between})/0.00001)^2)").bind(h=0.01)
+    table = FrictionTable.of(law.partial("h"), 1.0)
+    assert table.values(float(between) + np.array([-0.001, 0, 0.001])) == pytest.approx([0.0, 1.0, 0.0], abs=1e-9)
+
+
+@pytest.mark.parametrize("bump", ["exp(-((exp(v) - exp({a}))/{w})^2)", "1/(1 + ((sqrt(v) - sqrt({a}))/{w})^2)"])
+def test_a_bump_that_no_formula_tells_is_seen_by_bounds(bump):
+    """The argument is no polynomial in v; the bump lies between the nodes."""
+    smooth, between = between_nodes()
+    law = ss.FrictionLaw(f"{smooth} + 0.001*" + bump.format(a=between, w="0.00001"))
+    assert all(change.width > 0.1 for change in transitions(law.expr, law.point))
+    at = float(between)
+    assert FrictionTable.of(law).rise(at) == pytest.approx(law.mu(at) - law.mu(0.0), rel=1e-11)
 
 
 def test_a_law_that_varies_for_ever_is_tabulated_up_to_where_a_motion_comes():

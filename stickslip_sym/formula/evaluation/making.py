@@ -9,16 +9,19 @@ Each is compared with balls at its ends and between them before it is used.
 """
 
 import math
+from bisect import bisect_left, bisect_right
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 import sympy as sp
-from flint import arb
+from flint import acb, arb
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
+from stickslip_sym.core.balls import ball
 from stickslip_sym.core.functions import elementary, row
 from stickslip_sym.core.precision import refined, working_precision
 from stickslip_sym.core.status import Status
@@ -46,7 +49,7 @@ from stickslip_sym.formula.evaluation.values import (
     slope_of,
 )
 from stickslip_sym.formula.proof.proving import Verdict
-from stickslip_sym.model.expression.pieces import branch_from
+from stickslip_sym.model.expression.pieces import branch_from, kinks_at
 
 _EPSILON = 2.0**-52
 _NEGLIGIBLE = 2.0**-57  # of a value: what a polynomial may leave out
@@ -72,6 +75,7 @@ _BETWEEN = (-0.9999, 0.61803)
 """From a panel's middle, over half its width: where it is compared with balls. Its very end may be a kink."""
 _PANELS = 500  # at most; what takes more waves for ever
 _HALVINGS = 48  # of a panel that is not smooth: what is narrower than floats resolve is a kink
+_AT_KINK = 4 * _EPSILON  # relative: what products of a belt speed and powers of parameters are rounded by
 _NEAR_KINK = 1.25  # times r at a kink: up to there the panel's variable is the square root
 
 _POINTS = 16  # in an octave, at which a closed form is compared; from 2^_MODERATE on 2
@@ -97,6 +101,7 @@ def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Ma
     """Compare each branch with enclosures of the definition: at its ends, between them, and far beyond."""
     mean_slope, values = MeanSlope(profile, criterion, list(shapes)), [float(x) for x in shapes.values()]
     count, decay = 0, decay_at_rest(branch_from(profile, shapes, sp.S.Zero), shapes)
+    kinks = [] if criterion.weight is not None else kinks_at(profile, shapes)
     for r in _looked_at(branches):
         with np.errstate(all="ignore"):
             value = float(branches(r))
@@ -105,7 +110,8 @@ def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Ma
             continue  # beyond the last speed
 
         def right(r: float = r) -> arb:
-            return average_ball(profile, shapes, criterion, arb(r))
+            kink = next((kink for kink in kinks if _is_at(r, float(kink))), None)
+            return average_ball(profile, shapes, criterion, arb(r) if kink is None else ball(kink).real, kink)
 
         exact = refined(right, BITS // 2, _MOST_BITS)
         size *= 1 if decay is None else 1 + decay.steepness(2 * r)
@@ -120,6 +126,11 @@ def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Ma
         Status.CHECKED,
         f"each branch agrees with enclosures of the definition, at its ends and between: {count} speeds",
     )
+
+
+def _is_at(r: float, kink: float) -> bool:
+    """Whether a ratio of speeds is that at a kink, up to its rounding."""
+    return kink * (1 - _AT_KINK) <= r <= kink * (1 + _AT_KINK)
 
 
 def _looked_at(branches: Branches) -> list[float]:
@@ -151,22 +162,49 @@ class _Builder:
         self.local = criterion.weight is None
         self.closed = None if point else closed
         if self.local:
-            self.closed = -elementary(slope_of(self.values.last_piece)).subs(symbols.v, symbols.V).xreplace(point)
+            self.closed = self._at_belt(self.values.parts[-1])
         # Each r beyond which a kink counts, as a float, and what it is exactly: a root grows from there.
         self.corners = {float(r): r for r in (kink / (1 if self.local else 2) for kink in self.values.kinks)}
         lowest, highest = scales_of(profile, point)
         self.lowest, self.highest = min([lowest, *self.corners]), max([highest, *self.corners])
         self.panels = 0
-        self.decay = decay_at_rest(self.values.first_piece, point)
+        self.decay = decay_at_rest(self.values.parts[0], point)
 
     def build(self) -> Branches | None:
         """Return the branches in order, or None."""
         if (whole := self._powers_alone()) is not None:
             return whole
+        if self.local and self.values.reach < math.inf:
+            starts, slopes = (0.0, *self.corners), map(self._at_belt, self.values.parts)
+            whole = Branches(starts, tuple(Sum(0.0, 1.0, ((slope, (1.0,)),)) for slope in slopes))
+        else:
+            whole = self._from_end_to_end()
+        return self._with_means(whole) if self.local and whole is not None else whole
+
+    def _at_belt(self, piece: Expr) -> Expr:
+        """Return the falling slope of a piece at the belt's speed."""
+        return -elementary(slope_of(piece)).subs(symbols.v, symbols.V).xreplace(self.point)
+
+    def _with_means(self, whole: Branches) -> Branches:
+        """Return branches of a slope that are the mean of both sides at each kink."""
+        starts, branches = list(whole.starts), list(whole.branches)
+        for number, exact in enumerate(self.values.kinks):
+            corner = float(exact)
+            slopes = [self.values.slopes[i](acb(exact), False).real for i in (number, number + 1)]
+            mean = Sum(0.0, 1.0, ((None, (-float(sum(slopes) / 2),)),))
+            low, high = corner * (1 - _AT_KINK), math.nextafter(corner * (1 + _AT_KINK), math.inf)
+            first, last = bisect_left(starts, low), bisect_right(starts, high)
+            before, after = branches[first - 1], branches[last - 1]
+            if before is after and isinstance(before, Table):  # a panel ends at the corner
+                beyond = before.rows[:, 0] >= corner
+                before, after = (replace(before, rows=before.rows[rows]) for rows in (~beyond, beyond))
+            starts[first:last], branches[first - 1 : last] = [low, high], [before, mean, after]
+        return Branches(tuple(starts), tuple(branches))
+
+    def _from_end_to_end(self) -> Branches | None:
+        """Return the branches at rest, in between and far out."""
         reach = self.values.reach
         nothing = Sum(0.0, 1.0, ((None, (math.nan,)),))
-        if reach < math.inf and self.local:
-            return Branches((0.0,), (Sum(0.0, 1.0, ((self.closed, (1.0,)),)),))
         last, direct = (self.values.end / 2, nothing) if reach < math.inf else self._far_out(), None
         if reach == math.inf:
             direct = self._direct(last[0] if last else self.highest * 2.0**_FARTHEST)
@@ -213,7 +251,7 @@ class _Builder:
 
     def _near_rest(self, stop: float) -> tuple[float, Branch] | None:
         """Return up to where the series at rest is F, and the branch, with an exponential if that helps."""
-        slope = slope_of(self.values.first_piece)
+        slope = slope_of(self.values.parts[0])
         unit, best = unit_of(slope, self.point, self.criterion), None
         edge = min([stop, *self.corners])
         try:
@@ -237,7 +275,7 @@ class _Builder:
 
     def _far_out(self) -> tuple[float, Branch] | None:
         """Return from where the series in 1/r is F, and the branch."""
-        slope = slope_of(self.values.last_piece)
+        slope = slope_of(self.values.parts[-1])
         unit = unit_of(slope, self.point, self.criterion)
         try:
             series = expanded(slope, self.point, unit, far=True)

@@ -97,9 +97,8 @@ class Values:
         inner = [sp.Rational(float(low + high) / 2) for low, high in pairwise([arb(0), *self.kinks])]
         outer = sp.Rational(float(2 * self.kinks[-1])) if self.kinks else sp.Integer(1)
         pieces = [branch_from(profile, point, place) for place in (*inner, outer)]
-        self.first_piece, self.last_piece = pieces[0], pieces[-1]
-        self._slopes = [ball_function(_centred(slope_of(piece)), symbols.v, point) for piece in pieces]
-        self._parts = pieces
+        self.slopes = [ball_function(_centred(slope_of(piece)), symbols.v, point) for piece in pieces]
+        self.parts = pieces
         self._series_of: dict[int, Callable[[arb_series], arb_series]] = {}
         self._jumps = [_reals(jump, point) for jump in jumps(profile, point)]
         mean_slope, shapes = MeanSlope(profile, criterion, list(point)), [float(value) for value in point.values()]
@@ -181,12 +180,12 @@ class Values:
         return weight, [moment / end for moment in moments]
 
     def _slope(self, x: arb) -> BallFunction:
-        return self._slopes[self._index(x)]
+        return self.slopes[self._index(x)]
 
     def _series(self, x: arb) -> Callable[[arb_series], arb_series]:
         index = self._index(x)
         if index not in self._series_of:
-            self._series_of[index] = series_function(_centred(slope_of(self._parts[index])), symbols.v, self.point)
+            self._series_of[index] = series_function(_centred(slope_of(self.parts[index])), symbols.v, self.point)
         return self._series_of[index]
 
     def _index(self, x: arb) -> int:

@@ -6,6 +6,7 @@ functions) knows one kind of kink only, one in a term, and knows exactly where i
 
 from collections.abc import Mapping, Sequence
 from functools import lru_cache, reduce
+from itertools import pairwise
 from typing import NamedTuple, TypeAlias
 
 import sympy as sp
@@ -107,6 +108,19 @@ def pieces_of(term: Expr) -> tuple[list[Expr], list[Expr]]:
 def places(expr: Expr) -> tuple[Expr, ...]:
     """Return the places of all kinks and jumps in an expression, as they stand there."""
     return tuple(dict.fromkeys(end for node in kinked(expr) for _, end in _ends(node) if end is not None))
+
+
+def with_means(slope: Expr) -> Expr:
+    """Return a slope that is the mean of both sides at each of its kinks: small motions decay with it."""
+
+    def with_mean(term: Expr) -> Expr:
+        pieces, ends = pieces_of(term)
+        cases: Cases = []
+        for (left, right), place in zip(pairwise(pieces), ends, strict=True):
+            cases += [(left, symbols.v < place), ((left + right) / 2, symbols.v <= place)]
+        return sp.Piecewise(*cases, (pieces[-1], True))
+
+    return sp.Add(*(with_mean(term) if kinked(term) else term for term in sp.Add.make_args(slope)))
 
 
 def kinks_at(expr: Expr, point: Mapping[Expr, Expr], what: str = "mu") -> list[Expr]:

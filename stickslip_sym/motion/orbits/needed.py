@@ -196,7 +196,7 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
             loose, _, _, _ = gap(rise, eta, zeta, push, A, _LOOSER * tight, False, 0.0, by_zeta)
             off = abs(loose - value) + rounding + (_LOOSER * tight if tight > PRECISE else 0.0)
             if abs(value) <= _DONE:
-                error, ends = (off + value * value + _ROUGH * abs(value)) / -slope, zeta - value / slope
+                error, ends = (off + _ROUGH * abs(value)) / -slope, zeta - value / slope
             else:  # the gap is no more than what the steps are off, or it jumps beside its root
                 error, ends = (off + abs(value)) / -max(slope, _FALL), zeta
             if abs(value) <= max(_DONE, _UNSURE * off) and error <= _ROUGH * (abs(zeta) + largest):
@@ -249,7 +249,11 @@ def highest_all(rise: Any, eta: Any, zeta: Any, A: Any, rtol: float, wedge: Any,
 
 @compilable
 def _harmonic(rise: Any, eta: float, A: float) -> tuple[float, float]:
-    """Return the damping ratio by harmonic balance over slip speeds from 1 - A to 1 + A, and the largest rise."""
+    """Return the damping ratio by harmonic balance over slip speeds from 1 - A to 1 + A, and the largest rise.
+
+    The ratio is a first guess, by a few phases. The rise is 0 only if it is at the middle of each piece too: the
+    bump of a law that is flat elsewhere lies between phases.
+    """
     pieces, end = rise[0], rise[1][len(rise[1]) - 1]
     zeta, largest = 0.0, 0.0
     for i in range(_PHASES):
@@ -257,6 +261,9 @@ def _harmonic(rise: Any, eta: float, A: float) -> tuple[float, float]:
         lifted = eta * rise_at((pieces, 0, len(pieces) - 1, 0), min(1.0 - A * cosine, end))
         zeta += lifted * cosine / (A * _PHASES)
         largest = max(largest, abs(lifted))
+    for i in range(len(pieces)):
+        if 1.0 - A < pieces[i][1] < 1.0 + A:
+            largest = max(largest, abs(eta * pieces[i][3]))
     return zeta, largest
 
 

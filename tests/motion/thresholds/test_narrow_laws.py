@@ -33,6 +33,15 @@ def test_narrow_bump_moves_the_threshold_by_its_area():
     assert (wide - plain) / (narrow - plain) == pytest.approx(1000, rel=1e-3)
 
 
+@pytest.mark.parametrize("method", ["auto", "simulation", "orbit"])
+def test_bump_of_a_law_that_is_flat_elsewhere(method):
+    """No phase of a first guess meets it; to second order in the friction the threshold is that of the average."""
+    law, point = "0.3 + 0.1*exp(-((v - 0.3)/0.00001)^2)", {"V": 0.5, "N": 0.1}
+    exact = float(ss.enclose(law, "harmonic", **point, digits=12))
+    found = ss.pure_slip_damping(law, **point, m=1, k=100, method=method)
+    assert found.value == pytest.approx(exact, rel=1e-5)
+
+
 def test_steep_step_is_seen_by_every_method():
     law, point = "0.2 + 0.3*exp(-3*v) - 0.02*tanh((v - 0.3)/0.0001)", {"V": 0.5, "N": 9.81, "m": 1, "k": 100}
     for method in ("auto", "simulation", "orbit"):
