@@ -4,11 +4,9 @@ The script is printed from the steps that were carried out, each with the theore
 which its hypotheses were checked: nothing is sought here. Its functions are those of `certificate.txt`.
 """
 
-import builtins
 import json
-import keyword
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from textwrap import shorten
 from typing import TYPE_CHECKING
@@ -18,29 +16,26 @@ import sympy as sp
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.functions import row
+from stickslip_sym.core.functions import FUNCTIONS, elementary, row
 from stickslip_sym.core.status import Status
 from stickslip_sym.formula.average import Average, Differentiated
 from stickslip_sym.formula.derivation import Step
-from stickslip_sym.formula.proof.algebra import Expansion
+from stickslip_sym.formula.proof.algebra import Expansion, Generator
 from stickslip_sym.formula.proof.recurrence import AverageSeries, SeriesProof, moment_ratio
 from stickslip_sym.formula.proof.theorems import PieceByPiece, value_at
 from stickslip_sym.model.expression.pieces import places
 from stickslip_sym.output import printing
 from stickslip_sym.output.python_printer import WIDTH, assignment, code, formatted, imports, line
-from stickslip_sym.output.script import sections
+from stickslip_sym.output.script import SafeNames, sections
 
 if TYPE_CHECKING:
     from stickslip_sym.formula.closed_form import ClosedForm
 
-_OWN = (
-    "V", "N", "v", "s", "n", "b", "theta", "mu", "law", "w", "K", "c", "ratio", "q", "y", "sp", "mpmath", "random",
-    "equation", "generators", "roots", "total", "moment", "moments", "angles", "integrand", "parameters",
-    "at_rest", "Symbol", "Rational", "Pow", "pi", "l", "I", "O",
-)  # fmt: skip
-"""Names that a script uses itself, beside those of its functions, or that look like numbers."""
+_OWN = """V N n v s theta mu law w K b c ratio equation functions roots q y total moment like at_rest far I O
+sp mpmath random Symbol Rational Pow pi cos sin sqrt asin"""
+"""Names that a script uses itself, beside those of its functions."""
+_NUMBERED = r"[gFA]\d\w*"  # profiles, averages and antiderivatives
 _PAGE = Path(__file__).with_suffix(".txt")  # its functions, which a script has as far as it needs them
-_NUMBERED = re.compile(r"[gFA]\d\w*")
 _KINDS = ("positive", "nonnegative", "real")
 
 
@@ -64,28 +59,27 @@ def certificate(forms: "Sequence[ClosedForm]") -> str:
 
 
 def _chosen(text: str, named: set[str]) -> str:
-    """Return a function without the lines for what a script has none of, which say so: ``# if Piecewise``."""
+    """Return a function without the lines for what a script has none of, which say so: ``# if Min Max``."""
     lines = [line.partition("  # if ") for line in text.splitlines()]
-    return "\n".join(line for line, _, name in lines if not name or name in named)
+    return "\n".join(line for line, _, names in lines if not names or named & set(names.split()))
 
 
 def _title(forms: "Sequence[ClosedForm]") -> str:
+    names = list(dict.fromkeys(map(_where, forms)))
     unproved = dict.fromkeys(printing.text(average.profile) for form in forms for average in _unproved(form))
-    first = "The damping coefficient c, proved for every value of its parameters."
+    which = names[0] if len(names) == 1 else "some laws"
+    first = f"The damping coefficient c of {which}, proved for all parameters."
     if unproved:
         first = f"Not proved here, and compared at points only: the average of {', '.join(unproved)}."
-    names = dict.fromkeys(f"- {_where(form)}" for form in forms)
-    lines = [shorten(line.replace("\\", "/").replace('"', "'"), WIDTH - 10) for line in (first, *names)]
-    return "\n".join([f'"""{lines[0]}', "", *lines[1:], "", _INTRODUCTION, '"""'])
+    listed = [] if len(names) == 1 and not unproved else ["", *(f"- {name}" for name in names)]
+    lines = [shorten(line.replace("\\", "/").replace('"', "'"), WIDTH - 10) for line in (first, *listed)]
+    return "\n".join([f'"""{lines[0]}', *lines[1:], "", _INTRODUCTION, '"""'])
 
 
 _INTRODUCTION = """\
 A mass is pressed by the force N on a belt of speed V; mu(v) is the coefficient of friction at the slip speed v. A
-criterion averages the falling slope over the slip speeds v = V (1 + s) from 0 to 2 V, with a weight w(s):
-
-    c = -N integral of w(s) mu'(V (1 + s)) ds over -1 <= s <= 1.
-
-Nothing but SymPy and mpmath is needed. An AssertionError names the step that fails."""
+criterion averages the falling slope over the slip speeds V (1 + s) from 0 to 2 V with a weight w(s):
+c = -N int_-1^1 w(s) mu'(V (1 + s)) ds. SymPy and mpmath suffice; an AssertionError names the step that fails."""
 
 
 def _where(form: "ClosedForm") -> str:
@@ -105,22 +99,26 @@ class _Section:
         self.numbers = {average: str(i) for i, average in enumerate(dict.fromkeys(a for _, a in form.averages), 1)}
         used = form.law.expr.free_symbols
         self.parameters = [p.symbol for p in form.law.parameters.values() if p.symbol in used]
-        self._taken = {*keyword.kwlist, *dir(builtins), *_OWN, *sections(_PAGE)}
-        every = [form.law.expr, form.expr, *(step.statement for a in self.numbers for step in a.steps)]
-        self._taken |= {node.func.__name__ for expr in every for node in expr.atoms(sp.Function)}
+        self.functions: dict[Expr, str] = {}  # of V, by what they mean, the names of their generators
         self.names: dict[Expr, str] = {symbols.s: "s", symbols.theta: "theta"}
-        self.names |= {x: x.name for x in (symbols.V, symbols.N, symbols.v)}
+        self.n = sp.Dummy("n", positive=True)
+        self.names |= {x: x.name for x in (symbols.V, symbols.N, symbols.v, self.n)}
+        self.series = list(_series(self.numbers))
+        proofs = [by.proof for by in self.series if by.proof is not None]
+        poles = [max(map(_pole, proof.product.polynomial.coeffs())) for proof in proofs]
+        self.terms = max((proof.count + pole + 2 for proof, pole in zip(proofs, poles, strict=True)), default=0)
+        self.known = self.terms  # of all of `functions` at least
+        every = [form.law.expr, form.expr, *(step.statement for a in self.numbers for step in a.steps)]
+        called = {node.func.__name__ for expr in every for node in expr.atoms(sp.Function)}
+        called |= {function.name for function in FUNCTIONS.values()} if self.series else set()
+        self._safe = SafeNames(" ".join([_OWN, *called, *sections(_PAGE)]), _NUMBERED)
         for x in self.parameters:
             self._name(x)
 
     def _name(self, symbol: Expr) -> str:
         """Return the name of a symbol in the script, that of no function, keyword or other symbol."""
         if symbol not in self.names:
-            name = f"p_{symbol.name}" if _NUMBERED.fullmatch(symbol.name) else symbol.name
-            while name in self._taken:
-                name += "_"
-            self._taken.add(name)
-            self.names[symbol] = name
+            self.names[symbol] = self._safe.new(symbol.name)
         return self.names[symbol]
 
     def code(self, expr: Expr) -> str:
@@ -138,16 +136,19 @@ class _Section:
             kind = next((kind for kind in _KINDS if getattr(x, f"is_{kind}")), "complex")
             kinds.setdefault(kind, []).append(x)
         for kind, group in kinds.items():
-            left, right = (" ".join(words) for words in ([self._name(x) for x in group], [x.name for x in group]))
+            names = [self._name(x) for x in group]
             maker = "sp.symbols" if len(group) > 1 else "Symbol"
-            yield line(f'{left.replace(" ", ", ")} = {maker}("{right}", {kind}=True)')
+            yield line(f'{", ".join(names)} = {maker}("{" ".join(names)}", {kind}=True)')
 
     # -- the law, the criterion, the formula ---------------------------------------------------------
 
     def lines(self) -> Iterator[str]:
         form, criterion = self.form, self.criterion
         yield f"# -- {shorten(_where(form), 90)} ".ljust(100, "-")
-        yield from self.declare(symbols.V, symbols.N, symbols.v, *self.parameters)
+        variables = [] if criterion.weight is None else [symbols.s]
+        variables += [] if criterion.weight is None or criterion.is_polynomial else [symbols.theta]
+        variables += [self.n] if self.series else []
+        yield from self.declare(symbols.V, symbols.N, symbols.v, *variables, *self.parameters)
         yield self.let("mu", form.law.expr)
         if form.origin is not None:
             source, name = form.origin
@@ -160,10 +161,8 @@ class _Section:
         if criterion.weight is None:
             yield "# The weight is a unit mass at s = 0: c = -N mu'(V), above which small motions decay"
         else:
-            yield 's = Symbol("s", real=True)'
             yield self.let("w", criterion.weight)
         yield self.let("c", form.expr if form.expr != 0 else "sp.Integer(0)")
-        yield ""
         yield from self._kernel()
         for average in self.numbers:
             yield from self.average(average, self.numbers[average])
@@ -183,16 +182,13 @@ class _Section:
             yield 'assert sp.integrate(w, (s, -1, 1)) == 1, "the weight is an average"'
         else:
             yield "# By parts, with v = V (1 - cos(theta)): c = N integral of mu K over 0 <= theta <= pi"
-            yield 'theta = Symbol("theta", real=True)'
             yield self.let("K", criterion.angle_kernel)
-            yield 'assert same(K, sp.diff(w, s).subs(s, -cos(theta)) * sin(theta) / V), "the kernel"'
-        if any(isinstance(step.by, AverageSeries) for a in self.numbers for step in a.steps):
+            slope = "sp.diff(w, s).subs(s, -cos(theta))"
+            yield f'assert abs(at(0, K - {slope} * sin(theta) / V)) < 1e-25, "the kernel"'
+        if self.series:
             yield "# The moments b_n = n <(1 + s)^(n - 1)>, as integrals of powers: DLMF 5.12"
-            yield 'n = Symbol("n", positive=True)'
-            n = sp.Symbol("n", positive=True)
-            self.names[n] = "n"
-            yield self.let("b", n * self.criterion.mean_power(n - 1))
-            yield self.let("ratio", sp.factor(moment_ratio(self.criterion, n)))
+            yield self.let("b", self.n * criterion.mean_power(self.n - 1))
+            yield self.let("ratio", sp.factor(moment_ratio(criterion, self.n)))
             yield 'assert vanishes(sp.expand_func(b.subs(n, n + 1) / b) - ratio), "the ratio of the moments"'
 
     # -- the average of a profile --------------------------------------------------------------------
@@ -200,8 +196,7 @@ class _Section:
     def average(self, average: Average, label: str) -> Iterator[str]:
         g = f"g{label}"
         yield from self.declare(*(x for x in average.shapes if x not in self.names))
-        yield f"# The profile {g}(v), speeds in units of its scale, and its average F{label}(V)"
-        yield self.let(g, average.profile)
+        yield from self._said(g, average.profile, f"in units of its scale; F{label}(V) = -<g'(V (1 + s))>")
         if self.criterion.weight is None:
             yield f"F{label} = -sp.diff({g}, v).subs(v, V)"
             return
@@ -231,11 +226,12 @@ class _Section:
         yield from self._part(label, average, integral.function / self.criterion.kernel)
         boundary = step.statement.lhs - integral
         for i, (primitive, _, low, high) in enumerate(parts):
-            A = f"A{label}_{i}"
-            piece = f"{'g' + label}{f'.args[{i}].expr' if len(parts) > 1 else ''}"
-            yield self.let(A, average._in_shapes(primitive))
+            A, piece, found = f"A{label}_{i}", f"g{label}", average._in_shapes(primitive)
+            if len(parts) > 1:
+                piece = f"sp.piecewise_fold({piece}).args[{i}].expr"
+            yield self.let(A, f"sp.sympify({self.code(found)})" if found.is_number else found)
             yield f'assert vanishes(sp.diff({A}, v) - {piece} * K), "{A}: the derivative of the antiderivative"'
-            upper, lower = (self._end(A, average._in_shapes(primitive), end) for end in (high, low))
+            upper, lower = (self._end(A, found, end) for end in (high, low))
             terms.append(f"{upper} - {lower}")
         ends = f" + {self.code(boundary)}" if boundary != 0 else ""
         yield self.let(f"F{label}", f"{' + '.join(terms)}{ends}")
@@ -258,8 +254,8 @@ class _Section:
         yield from self._part(label, average, by.constant * by.term)
         if by.term.is_polynomial(v):
             yield self.let(f"F{label}", f"sp.sympify({self.code(average._in_shapes(by.constant * by.value))})")
-            yield f"moments = [b.subs(n, j) * a * V ** (j - 1) for (j,), a in sp.Poly(g{label}, v).terms() if j]"
-            yield f'assert vanishes(F{label} + sum(moments)), "F{label}: the moments of the weight"'
+            moments = f"sum(a * b.subs(n, j) * V ** (j - 1) for (j,), a in sp.Poly(g{label}, v).terms() if j)"
+            yield line(f'assert vanishes(F{label} + {moments}), "F{label}: the moments"')
             return
         proof = by.proof
         if proof is None:
@@ -267,7 +263,7 @@ class _Section:
             yield self.let(f"F{label}", average._in_shapes(by.constant * by.value))
             moment = self.code(average._in_shapes(by.constant * symbols.V ** (p - 1)))
             yield f"moment = sp.gammasimp(sp.powsimp(F{label} / (b.subs(n, {self.code(p)}) * {moment})))"
-            yield f'assert moment == -1, "F{label}: the moment of the weight"'
+            yield f'assert moment == -1, "F{label}: the moment"'
             return
         yield from self._by_series(average, by, proof, label)
 
@@ -275,35 +271,48 @@ class _Section:
         def in_code(expr: Expr) -> str:
             return self.code(average._in_shapes(expr))
 
-        algebra, V = proof.product.algebra, symbols.V
-        rows = algebra.table([proof.product])
-        poles = max(map(_pole, proof.product.polynomial.coeffs()))
-        expansion = Expansion(algebra, V, proof.count + poles + 2)
-        series = {one.symbol: expansion.of(one.meaning) for one in rows if one.slope is not None}
-        known = min((one.known for one in series.values()), default=0)
-        rows = algebra.table([proof.product, *(c for one in series.values() for c in one.coefficients)])
-        yield from self.declare(*(one.symbol for one in rows if one.symbol not in self.names))
-        yield "generators, roots = {}, {}  # of each function of V its derivative, and its first terms at V = 0"
-        for symbol, meaning, slope, square in rows:
-            start, name = symbol, self._name(symbol)
-            if (one := series.get(symbol)) is not None:
-                terms = [algebra.by_names(c) * V ** (one.order + i) for i, c in enumerate(one.coefficients)]
-                start = sp.Add(*terms[: max(known - one.order, 0)])
-            entry = (meaning, sp.S.Zero if slope is None else slope, start)
-            yield self.let(f"generators[{name}]", ", ".join(map(in_code, entry))) + _source(meaning)
-            if square is not None:
-                yield self.let(f"roots[{name}]", in_code(square))
-        self.names |= {q_k.gen: "n" for q_k in proof.weighted}
+        yield from self._functions(average, proof)
+        (n,) = proof.operator[0].gens
+        self.names[n] = "n"
         equation = [in_code(a.as_expr()) for a in proof.equation]
-        yield f"# {equation[-1]} has no zero for v > 0; g and y are analytic there"
-        yield self.let("equation", f"[{', '.join(equation)}], {in_code(proof.rest.as_expr())}")
-        yield self.let("q", f"[{', '.join(in_code(q_k.as_expr()) for q_k in proof.weighted)}]")
-        yield self.let("y", in_code(algebra.by_names(proof.product)))
-        profile, constant = in_code(by.term), in_code(by.constant)
-        numbers = f"q, {proof.first}, y, generators, roots, {known}"
-        yield f'F{label} = by_series("F{label}", {profile}, *equation, {numbers})'
+        positive = f"  # {equation[-1]} has no zero for v > 0" if proof.equation[-1].degree() > 0 else ""
+        yield self.let("equation", f"[{', '.join(equation)}], {in_code(proof.rest.as_expr())}") + positive
+        yield self.let("q", f"[{', '.join(in_code(q.as_expr()) for q in proof.operator)}]")
+        yield self.let("y", in_code(proof.product.algebra.by_names(proof.product)))
+        constant = in_code(by.constant)
+        profile = f"g{label}" if constant == "1" else in_code(by.term)
+        numbers = f"{proof.count}, y, functions, roots, {self.known}"
+        yield f'F{label} = by_series("F{label}", {profile}, *equation, q, {numbers})'
         if constant != "1":
             yield self.let(f"F{label}", f"{constant} * F{label}")
+
+    def _functions(self, average: Average, proof: SeriesProof) -> Iterator[str]:
+        """State those functions of V in an average that no other had: their derivatives, and first terms."""
+        algebra, V = proof.product.algebra, symbols.V
+        rows = algebra.table([proof.product])
+        expansion = Expansion(algebra, V, self.terms)
+        series = {one.symbol: expansion.of(one.meaning) for one in rows if one.slope is not None}
+        rows = algebra.table([proof.product, *(c for one in series.values() for c in one.coefficients)])
+        fresh = dict[Expr, Generator]()
+        for one in rows:
+            meaning = average._in_shapes(one.meaning)
+            if meaning not in self.functions:
+                self.functions[meaning] = self._safe.new(_generator(meaning))
+                fresh[sp.Symbol(self.functions[meaning])] = one
+            self.names[one.symbol] = self.functions[meaning]
+        self.names |= {x: x.name for x in fresh}
+        if len(fresh) == len(self.functions):
+            yield "functions, roots = {}, {}  # of V: what each is, its derivative, its first terms at V = 0"
+        yield from self.declare(*fresh)
+        for x, (symbol, meaning, slope, square) in fresh.items():
+            start = meaning
+            if (own := series.get(symbol)) is not None:
+                terms = [algebra.by_names(c) * V ** (own.order + i) for i, c in enumerate(own.coefficients)]
+                start, self.known = sp.Add(*terms), min(self.known, own.known)
+            entry = [average._in_shapes(part) for part in (meaning, slope or sp.S.Zero, start)]
+            yield self.let(f"functions[{x}]", ", ".join(map(self.code, entry))) + _source(meaning)
+            if square is not None:
+                yield self.let(f"roots[{x}]", average._in_shapes(square))
 
     def _differentiated(self, average: Average, by: Differentiated, label: str) -> Iterator[str]:
         """State the average of another profile, whose derivative is that of this one."""
@@ -320,46 +329,118 @@ class _Section:
     def _sum(self) -> Iterator[str]:
         """State that amplitudes times profiles are the law, and amplitudes over scales times averages c."""
         law, total, numbers = list[str](), list[str](), dict(self.form.averages)
-        yield "# The law is a sum of a g(v/b), which add N a/b F(V/b) each: the criterion is linear, and scales"
+        yield "# The law is a sum of terms a g(v/b), which add N a/b F(V/b) each: criteria are linear, and scale"
         for term in self.form.terms:
             if term not in numbers:
                 law.append(self.code(term.amplitude))
                 continue
-            label, a, b = self.numbers[numbers[term]], self.code(term.amplitude), self.code(term.scale)
-            shapes = "".join(f", {self.names[shape]}: {self.code(term.shapes[shape])}" for shape in term.shapes)
-            law.append(f"({a}) * g{label}.subs({{v: v / ({b}){shapes}}}, simultaneous=True)")
-            total.append(f"({a}) / ({b}) * F{label}.subs({{V: V / ({b}){shapes}}}, simultaneous=True)")
+            label, scale = self.numbers[numbers[term]], term.scale
+            law.append(
+                f"({self.code(term.amplitude)}) * {self._scaled(f'g{label}', symbols.v / scale, term.shapes)}"
+            )
+            weight, average = (
+                self.code(term.amplitude / scale),
+                self._scaled(f"F{label}", symbols.V / scale, term.shapes),
+            )
+            total.append(f"({weight}) * {average}")
         yield self.let("law", " + ".join(law) or "0")
         yield 'assert vanishes(mu - law), "the split of the law into terms"'
         yield self.let("total", f"N * ({' + '.join(total) or '0'})")
         yield 'assert vanishes(c - total), "the sum of the averages"'
 
+    def _scaled(self, function: str, speed: Expr, shapes: Mapping[Expr, Expr]) -> str:
+        """Return a profile or an average at a speed in units of the scale, with the law's shapes."""
+        (unit,) = {symbols.v, symbols.V} & speed.free_symbols
+        if not shapes:
+            return function if speed == unit else f"{function}.subs({self.code(unit)}, {self.code(speed)})"
+        values = ", ".join(f"{self.names[x]}: {self.code(to)}" for x, to in {unit: speed, **shapes}.items())
+        return f"{function}.subs({{{values}}}, simultaneous=True)"
+
     def _points(self) -> Iterator[str]:
         """Compare with the definition by quadrature."""
-        names = ", ".join(self.names[x] for x in (symbols.V, symbols.N, *self.parameters))
-        kinks = f"[{', '.join(map(self.code, places(self.form.law.expr)))}]"
-        rest = self.criterion.boundary(self.form.law.expr) if self.criterion.is_polynomial else sp.S.Zero
-        yield "# By mpmath, without any of the above"
-        yield line(f"parameters = ({names})")
+        V, mu = symbols.V, self.form.law.expr
+        kinks = places(mu)
         if self.criterion.weight is None:
-            yield "compare_slope(c, -N * mu, parameters)"
+            yield "compare_slope(c, -N * mu)"
         elif self.criterion.is_polynomial:
+            rest = self.criterion.boundary(mu)
             value = "c" if rest == 0 else formatted(f"c - N * ({self.code(rest)})")
-            yield f"compare({value}, N * mu * K, v, 2 * V, {kinks}, parameters)"
+            integrand = "N * mu * K"
+            if elementary(mu) != mu:  # all digits of coth(v) - 1/v cancel close to 0
+                integrand = f"sp.Piecewise((0, v < Rational(1, 10**40)), ({integrand}, True))"
+                integrand += ".rewrite(sp.coth, sp.tanh)"
+            yield line(f"compare({value}, {integrand}, v, 2 * V, [{', '.join(map(self.code, kinks))}])")
         else:
-            yield self.let("angles", f"[2 * asin(sqrt(place / (2 * V))) for place in {kinks}]")
-            yield "integrand = N * mu.subs(v, 2 * V * sin(theta / 2) ** 2) * K"
-            yield "compare(c, integrand, theta, pi, angles, parameters)"
+            angles = ", ".join(self.code(2 * sp.asin(sp.sqrt(place / (2 * V)))) for place in kinks)
+            yield line(f"compare(c, N * mu.subs(v, 2 * V * sin(theta / 2) ** 2) * K, theta, pi, [{angles}])")
+
+    # -- the limits ----------------------------------------------------------------------------------
 
     def _limits(self) -> Iterator[str]:
-        """State the limit for low belt speeds, where the slope has one."""
-        low = self.form.limits.at_rest
-        slope = self.form.law.slope_expr.subs(symbols.v, 0)
-        if low is None or low.has(symbols.V, sp.oo) or slope.has(sp.nan, sp.zoo, sp.oo) or slope.has(sp.Piecewise):
-            return
-        yield "# As V falls to 0, c tends to -N mu'(0): the weight has unit integral, the slope is continuous"
-        yield self.let("at_rest", low)
-        yield 'assert vanishes(at_rest + N * sp.diff(mu, v).subs(v, 0)), "the limit for low belt speeds"'
+        """State the limits for low and for high belt speeds by the slope there."""
+        low, high, slope = self.form.limits.at_rest, self.form.limits.far, elementary(self.form.law.slope_expr)
+        removable, at_rest = slope != self.form.law.slope_expr, slope.subs(symbols.v, 0)
+        singular = (
+            low is None or low.has(symbols.V, sp.oo, -sp.oo) or at_rest.has(sp.nan, sp.zoo, sp.oo, sp.Piecewise)
+        )
+        if not singular:
+            yield from self._said("at_rest", low, "as V and all slip speeds fall to 0, c tends to -N mu'(0)")
+            yield 'assert vanishes(at_rest + N * sp.diff(mu, v).subs(v, 0)), "the limit for low belt speeds"'
+        elif low is not None and not (removable and low.has(symbols.V)):
+            # Of a slope such as that of coth(v) - 1/v twice as many digits cancel; SymPy takes a hundred at most.
+            speed = f"Rational(1, 10**{25 if removable else 200})"
+            yield from self._limit("at_rest", low, speed, "V and all slip speeds fall to 0", "low")
+        if high is not None:
+            yield from self._limit("far", high, "10**200", "V grows, and slow slip loses its weight", "high")
+
+    def _limit(self, name: str, limit: Expr, speed: str, moves: str, where: str) -> Iterator[str]:
+        """State a limit, or the power of V that c is like, by the slope close to the end."""
+        slope, message = f"N * sp.diff(mu, v).subs(v, {speed})", f'"the limit for {where} belt speeds"'
+        power = limit.as_coeff_exponent(symbols.V)[1]
+        if limit.has(sp.oo, -sp.oo):
+            ends = "-N mu' grows beyond bounds, and c too: w > 0"
+            yield from self._said(name, f"{'-' * (limit == -sp.oo)}sp.oo", f"as {moves}, {ends}")
+            nearer = slope.replace("200", "100")
+            yield f"assert at(0, {slope} / ({nearer})) > 1.5, {message}"
+            yield f"assert at(0, {slope}) * {name} < 0, {message}"
+        elif power == 0:
+            yield from self._said(name, limit, f"as {moves}, c tends to the limit of -N mu'")
+            yield f"assert abs(at(0, {name} + {slope})) < 1e-25, {message}"
+        else:
+            p, mean = self.code(power), ""
+            if self.criterion.weight is not None:
+                mean = f"sp.Integral(w * (1 + s) ** ({p}), (s, -1, 1)) * "
+            yield from self._said(name, limit, f"as {moves}, mu' is like v^p, its average like V^p <(1 + s)^p>")
+            yield self.let("like", f"-{mean}{slope} / ({speed}) ** ({p})")
+            yield f"assert abs(at(0, {name}.subs(V, 1) / like) - 1) < 1e-25, {message}"
+
+    def _said(self, name: str, value: Expr | str, comment: str) -> Iterator[str]:
+        """State a value with a comment behind it, or above where that is too long."""
+        text = self.let(name, value)
+        if len(text) + len(comment) + 4 <= WIDTH:
+            yield f"{text}  # {comment}"
+        else:
+            yield from (f"# {comment}", text)
+
+
+def _series(averages: Iterable[Average]) -> Iterator[AverageSeries]:
+    """Return the averages that are proved as power series, those that others are the derivatives of too."""
+    for average in averages:
+        for step in average.steps:
+            if isinstance(step.by, Differentiated):
+                yield from _series([step.by.source])
+            elif isinstance(step.by, AverageSeries) and step.verdict.status is Status.PROVED:
+                yield step.by
+
+
+def _generator(meaning: Expr) -> str:
+    """Return a name for a function of V, such as besseli_1 or exp_V."""
+    orders = [str(argument) for argument in meaning.args[:-1] if argument.is_Integer]
+    if meaning.is_Pow and not isinstance(meaning, sp.exp):
+        return "root"
+    if meaning.is_Mul:
+        return "theta"  # of a hypergeometric function, theta = V d/dV
+    return "_".join([meaning.func.__name__ if meaning.args else "constant", *(orders or "V")])
 
 
 def _pole(coefficient: Expr) -> int:

@@ -17,7 +17,7 @@ from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.expression.pieces import branch_from, places
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.output.script import safe_names, sections
+from stickslip_sym.output.script import SafeNames, sections
 
 WIDTH = 115  # of a line
 _VARIABLES = {symbols.v: "v", symbols.s: "s"}
@@ -30,7 +30,8 @@ class LawInFlint:
 
     def __init__(self, law: FrictionLaw, script: str) -> None:
         self._law, self._rows = law, sections(Path(__file__).with_suffix(".txt"))
-        self._names = safe_names(law.values, " ".join([script, *self._rows]))
+        names = SafeNames(" ".join([script, *self._rows]))
+        self._names = {name: names.new(name) for name in law.values}
         self._printer = _Flint({law.parameters[name].symbol: safe for name, safe in self._names.items()})
         self.starts = [sp.Integer(0), *law.kinks()]
 

@@ -18,14 +18,22 @@ def imported(script: str, names: Iterable[str]) -> str:
     return ", ".join(name for name in names if re.search(rf"\b{name}\b", script))
 
 
-def safe_names(names: Iterable[str], script: str) -> dict[str, str]:
-    """Return names of variables in a script for names of parameters: none is a word of Python or of the script."""
-    taken = {*keyword.kwlist, *dir(builtins), *re.findall(r"[^\W\d]\w*", script)}
-    safe: dict[str, str] = {}
-    for name in names:
-        candidate = name if name.isidentifier() else re.sub(r"\W", "_", f"p_{name}")
-        while candidate in taken:
+class SafeNames:
+    """Names of variables in a script, for names of parameters: none is a word of Python or of the script.
+
+    Two are never the same. `own` are those that the script makes itself, as it goes.
+    """
+
+    def __init__(self, script: str, own: str = r"(?!)") -> None:
+        self._taken = {*keyword.kwlist, *dir(builtins), *re.findall(r"[^\W\d]\w*", script)}
+        self._own = re.compile(own)
+
+    def new(self, name: str) -> str:
+        """Return a name like another that is not taken yet."""
+        candidate = re.sub(r"\W", "_", name)
+        if not candidate.isidentifier() or self._own.fullmatch(candidate):
+            candidate = f"p_{candidate}"
+        while candidate in self._taken:
             candidate += "_"
-        taken.add(candidate)
-        safe[name] = candidate
-    return safe
+        self._taken.add(candidate)
+        return candidate

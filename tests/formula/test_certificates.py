@@ -20,14 +20,15 @@ WITHOUT_THE_PACKAGE = "import runpy, sys; sys.modules['stickslip_sym'] = None; r
 PAGES = sorted((ROOT / "derivations" / "certificates").glob("*.py"))
 CATALOGUE = [(name, criterion) for name in ss.laws for criterion in ("equilibrium", "least_squares", "harmonic")]
 CHANGED = {
-    "law": ("mu = ",),
+    "law": ("mu = ", "law = "),
     "formula": ("c = ",),
     "weight": ("w = ", "K = "),
     "antiderivative": ("A1",),
     "limit": ("F1",),
     "equation": ("equation = ",),
     "operator": ("q = ", "y = "),
-    "function": ("generators[", "roots["),
+    "function": ("functions[", "roots["),
+    "limit of V": ("at_rest = ", "far = ", "like = "),
 }
 """What may be changed, by what its lines begin with."""
 
@@ -130,9 +131,33 @@ def test_the_catalogue_leaves_with_its_proofs(law, criterion):
             assert outcome(mutant).startswith("failed: "), kind
 
 
+@pytest.mark.parametrize(
+    ("law", "criterion", "stated"),
+    [
+        ("0.5 - 0.1*sqrt(v)", "least_squares", "at_rest = 13 * sqrt(2) * N / (315 * sqrt(V))"),
+        ("a + b*v**2", "harmonic", "far = -2 * N * V * b_"),
+        ("0.4 - 0.1*v*log(v)", "equilibrium", "at_rest = -sp.oo"),
+        ("exponential", "least_squares", "far = 0"),
+    ],
+)
+def test_limits_are_stated_and_checked(law, criterion, stated):
+    script = ss.derive(law, criterion).certificate()
+    assert stated in script
+    assert outcome(script).startswith("proved: ")
+    name, _, value = stated.partition(" = ")
+    wrong = outcome(script.replace(stated, f"{name} = -2 * ({value}) + 1", 1))
+    assert wrong.startswith("failed: the limit for ")
+
+
+def test_what_cancels_at_rest_or_meets_a_kink_is_proved():
+    for text in ("0.2 + 0.1*(coth(v) - 1/v)", "0.5 - 0.3*Min(v, v_k)*exp(-v)"):
+        assert outcome(ss.derive(text).certificate()).startswith("proved: ")
+
+
 def test_names_of_parameters_mean_nothing_else_in_a_script():
-    form = ss.derive("gamma + F1*exp(-v/sum) + n*v")
-    assert outcome(form.certificate()) == f"proved: {form.law.text}, least_squares"
+    for criterion in ("least_squares", "harmonic"):
+        form = ss.derive("gamma + F1*exp(-v/sum) + n*v + theta*v**2 - lambda1*s", criterion)
+        assert outcome(form.certificate()) == f"proved: {form.law.text}, {criterion}"
 
 
 def test_pieces_are_proved_between_kinks_and_what_is_not_proved_is_named():

@@ -71,23 +71,20 @@ class SeriesProof:
     equation : list of Poly
         a_i(v) with sum_i a_i g^(i) = `rest`.
     rest : Poly
-    weighted : list of Poly
-        q_k(n) with sum_k q_k(n) b_(n+k) g_(n+k) = 0 for n >= `first`.
-    first : int
+    operator : list of Poly
+        q_k(n) with sum_k q_k(n - k) b_(n-k) g_(n-k) = 0 for n >= `count`: sum_k V^k q_k(theta), theta = V d/dV,
+        leaves a polynomial below V^count of V F(V).
+    count : int
+        How many coefficients that does not fix.
     product : Element
         V F(V).
     """
 
     equation: list[sp.Poly]
     rest: sp.Poly
-    weighted: list[sp.Poly]
-    first: int
+    operator: list[sp.Poly]
+    count: int
     product: Element
-
-    @property
-    def count(self) -> int:
-        """How many coefficients the recurrence does not fix."""
-        return self.first + len(self.weighted) - 1
 
 
 def definition(mu: Expr, criterion: Criterion) -> Expr:
@@ -115,14 +112,15 @@ def prove_average(term: Expr, value: Expr, criterion: Criterion) -> SeriesProof 
     recurrence, start = _recurrence(equation, rest, n)
     weighted, common = _weighted(recurrence, criterion, n)
     first = _fixed_from(weighted[-1].as_expr() * common, n, start)
-    count = first + len(weighted) - 1  # coefficients that the recurrence does not fix
+    r = len(weighted) - 1
+    operator, count = [sp.Poly(q.as_expr().subs(n, n - r + k), n) for k, q in enumerate(weighted[::-1])], first + r
     algebra = Algebra(V, parameters)
     if not is_smooth(value, V, analytic=True, inside=False):
         raise ValueError(f"{value} is not known to be analytic for {V} > 0")
     _require_same_start(algebra, term, value, criterion, count)
     product = algebra.of(V * value)
-    _require_equation(product, weighted, n, count)
-    return SeriesProof(equation, rest, weighted, first, product)
+    _require_equation(product, operator, count)
+    return SeriesProof(equation, rest, operator, count, product)
 
 
 def _require_moment(p: Expr, value: Expr, criterion: Criterion) -> None:
@@ -247,13 +245,12 @@ def _require_same_start(algebra: Algebra, term: Expr, value: Expr, criterion: Cr
             raise ValueError(f"the coefficients of V^{power - 1} are not known to be equal")
 
 
-def _require_equation(product: Element, weighted: list[sp.Poly], n: Expr, count: int) -> None:
-    """Apply sum_k V^(r-k) q_k(theta - k), theta = V d/dV, to V F: a polynomial below V^count must be left."""
-    algebra, r = product.algebra, len(weighted) - 1
-    shifted = [sp.Poly(q.as_expr().subs(n, n - k), n) for k, q in enumerate(weighted)]
+def _require_equation(product: Element, operator: list[sp.Poly], count: int) -> None:
+    """Apply sum_k V^k q_k(theta), theta = V d/dV, to V F: a polynomial below V^count must be left."""
+    algebra, (n,) = product.algebra, operator[0].gens
     terms, power = [], product
-    for i in range(max(q.degree() for q in shifted) + 1):
-        factor = sp.Add(*[V ** (r - k) * q.coeff_monomial(n**i) for k, q in enumerate(shifted)])
+    for i in range(max(q.degree() for q in operator) + 1):
+        factor = sp.Add(*[V**k * q.coeff_monomial(n**i) for k, q in enumerate(operator)])
         terms.append(power * algebra.of(factor))
         power = power.derivative * algebra.of(V)
     left = reduce(add, terms).polynomial
