@@ -95,7 +95,7 @@ def documentation(session):
     """Build the documentation in `build/documentation`; a warning is an error."""
     session.chdir(ROOT)
     session.install("-e", ".[plot,docs]")
-    session.run("python", "-W", "error", ".ci/docs")
+    session.run("python", "-W", "error", ".ci/documentation/build.py")
 
 
 @nox.session

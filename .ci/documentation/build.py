@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+"""Build the documentation in build/documentation: pages, gallery, and the reference from docstrings, by pdoc.
+
+What is built needs no network: formulas are MathML, and the pictures are drawn here.
+"""
+
+import contextlib
+import importlib
+import re
+import shutil
+from pathlib import Path
+from types import ModuleType
+
+import pdoc.doc
+import pdoc.render
+
+import stickslip_sym as ss
+from stickslip_sym.output.page.render import formula
+
+HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
+FOLDER = ROOT / "build" / "documentation"
+DOCS = "stickslip_sym/docs"
+PAGES = {
+    "README.md": "index", f"{DOCS}/tutorial.md": "tutorial", f"{DOCS}/methods.md": "methods",
+    f"{DOCS}/gallery.md": "gallery", "derivations/paper.md": "derivation", "derivations/README.md": "proofs",
+    "paper_checks/README.md": "paper_checks", "CHANGELOG.md": "changelog", "CONTRIBUTING.md": "contributing",
+}  # fmt: skip
+REFERENCE = [f"stickslip_sym{part}" for part in ("", ".model.laws", ".criteria", ".criteria.quadrature")]
+DISPLAYED = re.compile(r"^\$\$(.+?)(?:\s*\\tag\{(\w+)\})?\$\$$", re.M)
+PAIR = re.compile(r'(<div class="pdoc-code codehilite">(?:(?!</div>).)*</div>)\s*(<p><img [^>]*></p>)', re.S)
+"""Code, and the picture that it draws."""
+
+
+def displayed(match: re.Match) -> str:
+    """Return a formula of its own line as MathML, with the number it has in the paper."""
+    number = f" ({match[2]})" if match[2] else ""
+    return f'<div class="formula">{formula(match[1])}{number}</div>'
+
+
+def page(path: str, name: str, linked: dict[str, str]) -> pdoc.doc.Module:
+    """Return a document as a module with nothing but a docstring, its links to other pages and pictures mended."""
+    text = DISPLAYED.sub(displayed, (ROOT / path).read_text(encoding="utf-8"))
+
+    def mended(link: re.Match) -> str:
+        target = (ROOT / path).parent.joinpath(link[2]).resolve()
+        if target.is_dir():
+            return link[1]  # it is in the repository only
+        if target.suffix in (".svg", ".png") and target.is_file():
+            shutil.copy(target, FOLDER)
+        page = PAGES.get(target.relative_to(ROOT).as_posix())
+        return f"[{link[1]}]({page}.html)" if page else f"[{link[1]}]({target.name})"
+
+    text = re.sub(r"\[([^]]+)\]\((?!https?:)([^)\s]+)\)", mended, text)
+    if name == "index":
+        text += "\n## Reference\n\n" + "\n".join(f"- [{one}]({place})" for one, place in linked.items())
+    return pdoc.doc.Module(ModuleType(name, text))
+
+
+def linked_within(text: str) -> str:
+    """Return a page without links to what it does not show: members that a class has from a private one."""
+    shown = set(re.findall(r'id="([^"]+)"', text))
+    return re.sub(r'<a href="#([^"]+)">(.*?)</a>', lambda link: link[0] if link[1] in shown else link[2], text)
+
+
+def require_links(place: str, text: str) -> None:
+    """Refuse a page with a link to a file that is not there."""
+    links = {link.partition("#")[0] for link in re.findall(r'href="([^"$]+)"', text)}
+    local = {link for link in links if link and not re.match(r"https?:|data:", link)}
+    missing = {link for link in local if not (FOLDER / place).parent.joinpath(link).exists()}
+    if missing:
+        raise SystemExit(f"{place} links to what is not there: {', '.join(sorted(missing))}")
+
+
+def draw() -> None:
+    """Draw the gallery's pictures by its own lines."""
+    names: dict[str, object] = {}
+    with contextlib.chdir(FOLDER):
+        for code in re.findall(
+            r"^```python\n(.*?)^```", (ROOT / DOCS / "gallery.md").read_text("utf-8"), re.M | re.S
+        ):
+            exec(compile(code, "gallery.md", "exec"), names)
+
+
+def main() -> None:
+    """Build everything anew."""
+    shutil.rmtree(FOLDER, ignore_errors=True)
+    FOLDER.mkdir(parents=True)
+    draw()
+    shown = {name: list(getattr(importlib.import_module(name), "__all__", ())) for name in REFERENCE}
+    for name in ss.results.__all__:
+        shown.setdefault(getattr(ss.results, name).__module__, []).append(name)
+    file = {name: f"{name.replace('.', '/')}.html" for name in (*shown, *PAGES.values())}
+    linked = {name: file[name] for name in REFERENCE}
+    linked |= {one: f"{file[name]}#{one}" for name in shown if name not in REFERENCE for one in shown[name]}
+    titles = {name: re.match(r"# (.+)", (ROOT / path).read_text("utf-8"))[1] for path, name in PAGES.items()}
+    pdoc.render.configure(docformat="numpy", show_source=False, template_directory=HERE)
+    pdoc.render.env.globals |= {"documents": set(titles), "titles": titles | {"stickslip_sym": "Reference"}}
+    modules = {name: page(path, name, linked) for path, name in PAGES.items()}
+    for name, public in shown.items():
+        module = importlib.import_module(name)
+        [getattr(module, one) for one in public]  # loads what is loaded when it is first used
+        module.__all__ = public  # what pdoc shows of it
+        modules[name] = pdoc.doc.Module(module)
+    texts = {file[name]: pdoc.render.html_module(module, modules) for name, module in modules.items()}
+    texts["gallery.html"] = PAIR.sub(r'<div class="pair">\1\2</div>', texts["gallery.html"])
+    for place, text in (texts | {"search.js": pdoc.render.search_index(modules)}).items():
+        (FOLDER / place).parent.mkdir(parents=True, exist_ok=True)
+        (FOLDER / place).write_text(linked_within(text), encoding="utf-8")
+    for place in file.values():
+        require_links(place, (FOLDER / place).read_text(encoding="utf-8"))
+
+
+main()
