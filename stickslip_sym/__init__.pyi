@@ -20,10 +20,10 @@ from .criteria.enclosure import enclose as enclose
 from .formula.closed_form import derive as derive
 from .formula.export import export_code as export_code
 from .formula.export import export_latex as export_latex
-from .formula.files import load as load
-from .formula.files import save as save
 from .formula.slope_average import slope_average as slope_average
 from .model.expression.parameters import Parameter as Parameter
+from .model.files import load as load
+from .model.files import save as save
 from .model.fitting.fit import fit as fit
 from .model.law import FrictionLaw as FrictionLaw
 from .model.laws import laws as laws

@@ -11,7 +11,7 @@ from stickslip_sym.cli import options
 from stickslip_sym.cli.options import Given, option
 from stickslip_sym.cli.output import Json, echo_all, in_options, terminal
 from stickslip_sym.cli.reading import criteria_of, point
-from stickslip_sym.core.errors import InputError, NoClosedForm
+from stickslip_sym.core.errors import NoClosedForm
 
 if TYPE_CHECKING:
     from stickslip_sym.formula.closed_form import ClosedForm
@@ -24,7 +24,6 @@ _LONGEST = 4000  # characters of a formula on the screen
     options.AT, options.criterion("all"),
     option("--steps", is_flag=True, help="Print every step of the derivation."),
     options.file_option("--latex", help="Write the formula as LaTeX."),
-    options.file_option("--save", help="Keep the form, for stickslip_sym.load."),
     options.time_limit("Seconds for each criterion (120).", SECONDS),
 )  # fmt: skip
 def run(given: Given) -> None:
@@ -37,9 +36,7 @@ def run(given: Given) -> None:
     from stickslip_sym.output import files
 
     chosen = criteria_of(given["criterion"])
-    latex, save, steps = given["latex"], given["save"], given["steps"]
-    if save is not None and len(chosen) > 1:
-        raise InputError("--save keeps one closed form; name one criterion instead of all")
+    latex, steps = given["latex"], given["steps"]
     at = point(given, without=("c",)).exact("derive")
     law, limit = at.law, given["time_limit"]
     given.all_used()
@@ -54,8 +51,6 @@ def run(given: Given) -> None:
     forms = [form for form in derivations.values() if not isinstance(form, NoClosedForm)]
     if latex is not None and forms:
         files.write_text(latex, "\n".join(_latex(form, steps) for form in forms))
-    if save is not None and forms:
-        ss.save(forms[0], save)
     rows, texts = list[Json](), [str(at)]
     for one, form in derivations.items():
         found = None if isinstance(form, NoClosedForm) else form
@@ -88,10 +83,10 @@ def _lines(form: ClosedForm) -> list[str]:
     from stickslip_sym.output import abbreviation, printing
 
     if form.law.curve is not None:
-        shown = f"  c = average of the {form.law.curve} (--json and --save have it exactly)"
+        shown = f"  c = average of the {form.law.curve} (--json has its cubics)"
     elif len(shown := abbreviation.formula("c", form.expr)) > _LONGEST:
         size = len(printing.text(form.expr))
-        shown = f"{shown[:_LONGEST]}... ({size} characters; --latex and --save write it whole)"
+        shown = f"{shown[:_LONGEST]}... ({size} characters; --latex and --json write it whole)"
     return [repr(form), "", shown, "", form.verdict.evidence]
 
 

@@ -27,7 +27,7 @@ _KINDS = ("latex", *LANGUAGES, "certificate", "save")
     file_option("--latex", help="A LaTeX document."),
     *(file_option(f"--{name}", help=language.description) for name, language in LANGUAGES.items()),
     file_option("--certificate", help="A proof in plain SymPy, which needs nothing of this package."),
-    file_option("--save", help="Exact, for stickslip_sym.load."),
+    file_option("--save", help="The laws, exact, for stickslip_sym.load."),
     option("--fragment", is_flag=True, help="LaTeX for \\input: without preamble."),
     option("--steps", is_flag=True, help="LaTeX with every step of the derivations."),
     pairs("--symbol", text="Print a symbol otherwise.", example="--symbol V=v_b", metavar="NAME=LATEX"),
@@ -39,7 +39,7 @@ def run(given: Given) -> None:
     Example: stickslip export exponential polynomial --criterion all --latex criteria.tex --symbol V=v_b
     """
     from stickslip_sym.formula.certificate import certificate
-    from stickslip_sym.formula.files import text_of
+    from stickslip_sym.model.files import text_of
     from stickslip_sym.output import files
 
     targets: dict[str, Path] = {kind: given[kind] for kind in _KINDS if given[kind] is not None}
@@ -70,7 +70,7 @@ def run(given: Given) -> None:
     write = {
         "latex": lambda: ss.export_latex(forms, missing=missing, **style),
         "certificate": lambda: certificate(forms),
-        "save": lambda: text_of(forms),
+        "save": lambda: text_of(laws),
     }
     files.write_texts(
         {path: write[kind]() if kind in write else ss.export_code(coded, kind) for kind, path in targets.items()}
@@ -86,8 +86,9 @@ def run(given: Given) -> None:
     # /dev/stdout holds what was asked for, and nothing else.
     streamed = any(path.exists() and not path.is_file() for path in targets.values())
     for kind, path in targets.items():
-        count = len(coded if kind in code else forms)
-        click.echo(f"{kind}: {count} {'criterion' if count == 1 else 'criteria'} in {path}", err=streamed)
+        count = len(laws if kind == "save" else coded if kind in code else forms)
+        word, more = ("law", "laws") if kind == "save" else ("criterion", "criteria")
+        click.echo(f"{kind}: {count} {word if count == 1 else more} in {path}", err=streamed)
 
 
 def _laws(given: Given) -> list[ss.FrictionLaw]:

@@ -57,9 +57,22 @@ class ClosedForm(SlopeAverage):
         Of a sensitivity, what it is the derivative of, and by which parameter.
     """
 
-    reported = ("expr", "verdict")
-
     origin: "tuple[ClosedForm, str] | None" = None
+
+    @property
+    def reported(self) -> tuple[str, ...]:
+        """What JSON says: the formula, or the cubics of measured points, of which it is the average by pieces."""
+        return ("expr" if self.law.curve is None else "cubics", "verdict")
+
+    @property
+    def cubics(self) -> dict[str, object]:
+        """The curve through measured points, exact: from places[i] on sum_j cubics[i][j] (v - places[i])^j."""
+        curve = self.law.curve
+        if curve is None:
+            return {}
+        end = None if curve.end is None else str(curve.end)
+        rows = [list(map(str, row)) for row in curve.cubics]
+        return {"places": list(map(str, curve.places)), "cubics": rows, "end": end}
 
     @property
     def averages(self) -> tuple[tuple[Term, Average], ...]:

@@ -56,7 +56,6 @@ REFUSED = [
     ("derive", "no law: give a name (see: stickslip laws), a formula in v, or --from-csv FILE"),
     ("derive linear --from-csv a.csv", "the law is given twice, as 'linear' and by --from-csv"),
     ("derive --from-csv none.csv", "cannot read 'none.csv': No such file"),
-    ("derive linear --criterion all --save f", "--save keeps one closed form; name one"),
     ("damping linear --metod orbit", "Did you mean one of: '--method'"),
     ("damping linear -v 1", "No such option '-v'. See: stickslip damping --help"),
     ("critical exponential --of N", "critical values are computed at a given damping: add -c VALUE"),

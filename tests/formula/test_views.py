@@ -1,5 +1,6 @@
 """A closed form is the sum of its terms: every view of it is made of them, and none says something else."""
 
+import random
 import time
 from dataclasses import replace
 
@@ -10,8 +11,9 @@ import sympy as sp
 from sweeps import sweep
 
 import stickslip_sym as ss
-from stickslip_sym.core import deadline
+from stickslip_sym.core import deadline, symbols
 from stickslip_sym.formula.average import Average, average_of
+from stickslip_sym.output.content import content
 
 POINT = {"V": 0.5, "N": 9.81, "mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0}
 
@@ -139,3 +141,37 @@ def test_a_time_limit_ends_a_derivation(monkeypatch, fresh_averages):
         ss.NoClosedForm, match=r"the time limit of 60 s was reached while (averaging|comparing|prov)"
     ):
         ss.derive(ss.laws.kragelskii, time_limit=60)
+
+
+def test_a_notebook_names_the_law_of_a_form_or_shows_it():
+    law = ss.laws.catalogue["linear"]
+    assert ss.derive(law, "equilibrium")._repr_html_().count(law.text) == 0
+    assert law.name in ss.derive(law, "equilibrium")._repr_html_()
+    assert "p - q*v, equilibrium" in ss.derive(ss.FrictionLaw("p - q*v"), "equilibrium")._repr_html_()
+    assert ss.criteria.find("equilibrium") is ss.criteria.equilibrium
+
+
+def test_json_of_measured_points_is_a_table_of_cubics():
+    rng = np.random.default_rng(16)
+    v = [0.0, *np.sort(np.round(rng.uniform(0.1, 2, 20), 3))]
+    form = ss.derive(ss.FrictionLaw.from_samples(v, np.round(rng.uniform(0.2, 0.5, 21), 3), extrapolate=True))
+    said = content(form)
+    assert said.keys() == {"cubics", "verdict"}
+    table = said["cubics"]
+    i = int(rng.integers(20))
+    place, row = sp.Rational(table["places"][i]), map(sp.Rational, table["cubics"][i])
+    x = float(v[i] + 0.3 * (v[i + 1] - v[i]))
+    assert float(sum(c * (x - place) ** j for j, c in enumerate(row))) == pytest.approx(form.law.mu(x), rel=1e-13)
+    assert len(str(said)) < 8000
+    assert content(ss.derive("mu_s - a*v"))["expr"] == "N*a"
+
+
+def test_a_decimal_in_a_sympy_formula_is_read_as_it_was_written():
+    v, rng = sp.Symbol("v"), random.Random(16)
+    for _ in range(20):
+        numbers = [round(rng.uniform(0.001, 2), rng.randint(1, 6)) for _ in range(3)]
+        a, b, c = numbers
+        law = ss.FrictionLaw(a - b * sp.tanh(c * v))
+        assert law.expr == ss.FrictionLaw(f"{a!r} - {b!r}*tanh({c!r}*v)").expr
+    exact = sp.Float("0.1", 40)
+    assert ss.FrictionLaw(exact + v).expr.subs(symbols.v, 0) == sp.Rational(exact) != sp.Rational(1, 10)

@@ -5,6 +5,7 @@ that is described, by its unit or as a `Parameter`, is what its description says
 """
 
 import math
+import sys
 import warnings
 from collections.abc import Sequence
 from difflib import get_close_matches
@@ -58,9 +59,14 @@ def as_text(formula: object) -> str:
         if symbol.name != "v":
             Parameter(symbol.name)
     try:
-        return text(formula.xreplace({number: sp.Rational(number) for number in formula.atoms(sp.Float)}))
+        return text(formula.xreplace({number: _decimal(number) for number in formula.atoms(sp.Float)}))
     except ValueError:  # Python prints no integer of over 4300 digits
         raise InputError("a number in the formula has too many digits") from None
+
+
+def _decimal(number: Expr) -> Expr:
+    """Return a SymPy Float as the shortest decimal that is read as it; a longer one than a double as it stands."""
+    return sp.Rational(repr(float(number))) if number._prec <= sys.float_info.mant_dig else sp.Rational(number)
 
 
 def read_formula(formula: str, table: dict[str, Parameter], *, constant: bool = False) -> Expr:
