@@ -24,6 +24,7 @@ from stickslip_sym.model.at_rest import symbolic_limit_at_rest
 
 _MOST_BITS = 33_000  # of working precision, some 10 000 digits, before a value counts as out of reach
 _PATIENCE = 4  # times the bits asked for, before a formula is taken apart by exact arithmetic, which takes long
+_LONGEST_SERIES = 1e4  # an argument from where as many terms cancel, for which mpmath has no asymptotic series
 _MORE = 64  # bits by which the second look of mpmath is more precise
 
 
@@ -80,6 +81,14 @@ def _by_mpmath(node: Expr, arguments: list[acb]) -> acb:
     """Return a ball around a function as mpmath evaluates it, its error seen by moved arguments and by digits."""
     if not all(argument.is_finite() for argument in arguments):
         return acb("nan")
+    if (
+        isinstance(node, sp.hyper)
+        and len(node.ap) == len(node.bq) > 2
+        and arguments[-1].abs_lower() > _LONGEST_SERIES
+    ):
+        raise NotConverged(
+            f"{node.func.__name__} of {len(node.ap)} and {len(node.bq)} parameters has no series there"
+        )
     function = _function(node.func, tuple(len(a) if isinstance(a, sp.Tuple) else 0 for a in node.args))
     places = [in_mpmath(argument) for argument in arguments]
 

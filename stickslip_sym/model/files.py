@@ -87,7 +87,7 @@ def load(path: str | Path) -> FrictionLaw | tuple[FrictionLaw, ...]:
     >>> with TemporaryDirectory() as folder:
     ...     save(FrictionLaw("mu_s - a*v"), Path(folder, "linear.json"))
     ...     load(Path(folder, "linear.json")).text
-    '-a*v + mu_s'
+    'mu_s - a*v'
     """
     require_type("path", path, str | PathLike, "the name of a file")
     name = repr(str(path))

@@ -2,6 +2,7 @@
 
 import random
 import sys
+import time
 from types import SimpleNamespace
 
 import mpmath
@@ -248,3 +249,13 @@ def test_limits_that_hang_on_a_power_are_open(formula):
     form = ss.derive(formula)
     assert form.limits.far is None or not form.limits.far.has(sp.Limit)
     assert "Its limit for $V \\to \\infty$ was not found." in ss.export_latex(form)
+
+
+@pytest.mark.parametrize("ratio", ["62", "1e5", "1e13"])
+def test_a_value_far_out_takes_no_long(ratio):
+    """The series of v erf(v/w) has as many terms as (V/w)^2; its definition is enclosed in no time."""
+    form, start = ss.derive("v*erf(v/w)", "harmonic"), time.process_time()
+    value = form.evaluate(25, V=ratio, N=2, w=1)
+    assert time.process_time() - start < 3
+    assert abs(value - mpmath.mpmathify(ss.enclose("v*erf(v)", "harmonic", V=ratio, N=2, digits=30).mid)) < 1e-24
+    assert form(V=float(ratio), N=2.0, w=1.0) == pytest.approx(float(value), rel=1e-14)
