@@ -81,14 +81,9 @@ def _by_mpmath(node: Expr, arguments: list[acb]) -> acb:
     """Return a ball around a function as mpmath evaluates it, its error seen by moved arguments and by digits."""
     if not all(argument.is_finite() for argument in arguments):
         return acb("nan")
-    if (
-        isinstance(node, sp.hyper)
-        and len(node.ap) == len(node.bq) > 2
-        and arguments[-1].abs_lower() > _LONGEST_SERIES
-    ):
-        raise NotConverged(
-            f"{node.func.__name__} of {len(node.ap)} and {len(node.bq)} parameters has no series there"
-        )
+    entire = isinstance(node, sp.hyper) and len(node.ap) == len(node.bq) > 2
+    if entire and arguments[-1].abs_lower() > _LONGEST_SERIES:
+        raise NotConverged("a hypergeometric series of the closed form is too long")
     function = _function(node.func, tuple(len(a) if isinstance(a, sp.Tuple) else 0 for a in node.args))
     places = [in_mpmath(argument) for argument in arguments]
 

@@ -8,6 +8,7 @@ from functools import cached_property
 from operator import le
 from typing import Any, Literal
 
+import mpmath
 import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
@@ -80,7 +81,8 @@ class SlopeAverage:
         middle = (
             enclosure.mid if enclosure.low * enclosure.high > 0 else Fraction(0)
         )  # which 400 digits leave open
-        return to_mpf(sp.Rational(middle.numerator, middle.denominator))
+        with mpmath.workdps(digits):
+            return to_mpf(sp.Rational(middle.numerator, middle.denominator))
 
     @cached_property
     def conditions(self) -> tuple[Expr, ...]:

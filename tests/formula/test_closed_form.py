@@ -257,5 +257,7 @@ def test_a_value_far_out_takes_no_long(ratio):
     form, start = ss.derive("v*erf(v/w)", "harmonic"), time.process_time()
     value = form.evaluate(25, V=ratio, N=2, w=1)
     assert time.process_time() - start < 3
-    assert abs(value - mpmath.mpmathify(ss.enclose("v*erf(v)", "harmonic", V=ratio, N=2, digits=30).mid)) < 1e-24
+    with mpmath.workdps(40):
+        exact = mpmath.mpmathify(ss.enclose("v*erf(v)", "harmonic", V=ratio, N=2, digits=30).mid)
+        assert abs(value - exact) < 1e-24
     assert form(V=float(ratio), N=2.0, w=1.0) == pytest.approx(float(value), rel=1e-14)

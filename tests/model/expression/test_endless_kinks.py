@@ -3,6 +3,7 @@
 import inspect
 import random
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -69,3 +70,15 @@ def test_points_are_the_same_as_floats_and_as_text():
     law = ss.FrictionLaw.from_samples(v, mu)
     assert law == ss.FrictionLaw.from_samples([str(float(x)) for x in v], list(map(str, mu)))
     assert law != ss.FrictionLaw.from_samples(v, [*mu[:-1], 0.2100001])
+
+
+@pytest.mark.parametrize(
+    "formula", ["(1 + v/v_0)^(-n)", "1/((1 + v/v_1)*(1 + v/v_2))", "(1 + p*v)/(1 + q*v + r*v^2)"]
+)
+def test_evaluate_keeps_its_digits_where_parameters_meet(formula):
+    values = MEETING.get(formula, {"v_1": 0.5, "v_2": 0.5})
+    criterion = RNG.choice(["least_squares", "harmonic"])
+    value = ss.derive(formula, criterion).evaluate(40, V="0.7", N=2, **values)
+    with mpmath.workdps(60):
+        exact = ss.enclose(ss.FrictionLaw(formula).bind(**values), criterion, V="0.7", N=2, digits=50).mid
+        assert abs(value / mpmath.mpf(exact.numerator) * exact.denominator - 1) < 1e-39
