@@ -61,7 +61,8 @@ class Function:
     indexed: bool = False
     """Whether LaTeX writes the first argument as an index."""
     floats: Callable[..., Any] | None = None
-    """From floats or arrays; None where SciPy, else NumPy, and math have it by its name."""
+    """From floats or arrays; None where SciPy, else NumPy, and math have it by its name. What SymPy would write by
+    exponentials, which overflow apart, stands here."""
     squared: bool = False
     """Whether LaTeX writes powers on the name."""
     meaning: str = ""
@@ -240,10 +241,10 @@ _ROWS = (
     Function(sp.sech, _sech, series=lambda z: 2 / (z.exp() + (-z).exp()),
              gain=lambda x, a, gain: -_gain_of_cosh(x, a, gain) * sp.sech(x) * sp.sech(a), analytic=True,
              bounded=True, dies=lambda z: True, ladder=_sech_ladder, in_laws=True, squared=True,
-             c="(1.0/cosh({}))", python="(1.0/np.cosh({}))"),
+             floats=lambda x: 1 / np.cosh(x), c="(1.0/cosh({}))", python="(1.0/np.cosh({}))"),
     Function(sp.coth, acb.coth, series=lambda z: 1 + 2 / ((2 * z).exp() - 1),
              gain=lambda x, a, gain: -sp.sinh(gain) / (sp.sinh(x) * sp.sinh(a)), in_laws=True, latex=r"\coth",
-             squared=True, c="(1.0/tanh({}))", python="(1.0/np.tanh({}))"),
+             squared=True, floats=lambda x: 1 / np.tanh(x), c="(1.0/tanh({}))", python="(1.0/np.tanh({}))"),
     Function(Langevin, Langevin.ball, series=Langevin.series, analytic=True, bounded=True, floats=Langevin.floats,
              ladder=_langevin_ladder, latex=None),
     Function(sp.csch, acb.csch, c="(1.0/sinh({}))", python="(1.0/np.sinh({}))"),
