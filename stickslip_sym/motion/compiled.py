@@ -26,6 +26,8 @@ _OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {
 _log = logging.getLogger("stickslip_sym")
 _marked = dict[Callable[..., Any], bool]()
 """Functions that compiled ones may call, and whether numba knows that."""
+_inlined = set[Callable[..., Any]]()
+"""Those that become part of each compiled function that calls them."""
 _ready = set[Callable[..., Any]]()
 
 
@@ -33,6 +35,12 @@ def compilable(function: _Function) -> _Function:
     """Mark a function that compiled functions may call."""
     _marked[function] = False
     return function
+
+
+def inlined(function: _Function) -> _Function:
+    """Mark a compilable function that is called so often that its calls would count in machine code."""
+    _inlined.add(function)
+    return compilable(function)
 
 
 @cache
@@ -63,7 +71,9 @@ def compiled(function: _Function) -> _Function:
     if not any(_marked.values()):
         overload(is_late)(lambda: lambda: False)  # whoever runs machine code looks at the time between two batches
     for part in [part for part, is_known in _marked.items() if not is_known]:
-        register_jitable(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(part)
+        register_jitable(no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=part in _inlined, **_OPTIONS)(
+            part
+        )
         _marked[part] = True
     machine_code: Any = numba.njit(nogil=True, **_OPTIONS)(function)
     _forget_what_is_older()

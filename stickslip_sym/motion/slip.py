@@ -14,42 +14,25 @@ from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import InputError, NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
-from stickslip_sym.model.table import FARTHEST, FrictionTable, Pieces, Rise
+from stickslip_sym.model.table import FARTHEST, FrictionTable, Rise
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
-from stickslip_sym.motion.steps import MOST_STEPS, TIGHT, End, entered, follow, rate_at, stepped
+from stickslip_sym.motion.steps import (
+    MOST_STEPS,
+    TIGHT,
+    Branch,
+    End,
+    Field,
+    State,
+    Step,
+    Stop,
+    Wedge,
+    entered,
+    follow,
+    no_wedge,
+    rate_at,
+    stepped,
+)
 from stickslip_sym.motion.workers import collect
-
-
-class Step(NamedTuple):
-    """One step of a slip: its begin, its length in tau, and how it was taken.
-
-    - `rate`: w' at the begin.
-    - `segment`: number of the smooth segment of the law; -1 where the mass slides at a jump of mu.
-    - `implicit`: by the method for fast decays.
-    """
-
-    tau: float
-    q: float
-    w: float
-    rate: float
-    length: float
-    segment: int
-    implicit: bool
-
-
-class Wedge(NamedTuple):
-    """The quantity p of a wedge D: dw'/dp = constant + linear w + factor rise(w) at a fixed state.
-
-    - `pieces`: the polynomials of that rise.
-    - `shifts`: db/dp of the level b at which each segment of the law begins.
-    """
-
-    constant: float
-    linear: float
-    factor: float
-    pieces: Pieces
-    shifts: Sequence[float] | FloatArray
-
 
 Number = TypeVar("Number")
 
@@ -86,35 +69,33 @@ class Slip(NamedTuple, Generic[Number]):
 
 
 @compilable
-def _follow_all(
-    rise: Any, eta: Any, zeta: Any, push: Any, hold: Any, side: Any, q: Any, w: Any, horizon: Any, most: Any,
-    passes: Any, rtol: float, until: int, level: float, wedge: Any, found: Any,
-) -> None:  # fmt: skip
-    """Follow many slips, an entry of each array for each, into rows of `found`."""
+def _follow_all(rise: Rise, columns: Any, rtol: float, until: int, level: float, rows: Any) -> None:
+    """Follow many slips, into rows as a `Slip` has them."""
+    eta, push, side, damping, hold, q, w, horizon, most, passes = columns
+    wedge = no_wedge(rise)
     for i in range(len(q)):
-        end, state, far, _ = follow(
-            rise, eta[i], zeta[i], push[i], hold[i], side[i], q[i], w[i], horizon[i], int(most[i]), int(passes[i]),
-            rtol, until, level, wedge, False,
-        )  # fmt: skip
-        found[i, 0] = end.value
-        found[i, 1], found[i, 2], found[i, 3], found[i, 4], found[i, 5], found[i, 6] = state
-        found[i, 7], found[i, 8], found[i, 9], found[i, 10], found[i, 11], found[i, 12] = far
+        field, begin = Field(eta[i], push[i], side[i], damping[i]), State(0.0, q[i], w[i], side[i], 0.0, 0.0)
+        stop = Stop(until, level, horizon[i], int(most[i]), int(passes[i]))
+        run = follow(rise, field, hold[i], begin, stop, wedge, rtol, False)
+        rows[i, 0] = run.end.value
+        rows[i, 1], rows[i, 2], rows[i, 3], rows[i, 4], rows[i, 5], rows[i, 6] = run.state
+        rows[i, 7], rows[i, 8], rows[i, 9], rows[i, 10], rows[i, 11], rows[i, 12] = run.extent
 
 
 @compilable
-def _states(
-    rise: Any, begin: Any, q: Any, w: Any, rate: Any, segment: Any, implicit: Any, tau: Any, system: Any,
-    rtol: float, wedge: Any, found: Any,
-) -> None:  # fmt: skip
-    """Write q and w at times within steps, an entry of each array for each, into the columns of `found`."""
+def _states(rise: Rise, columns: Any, field: Field, rtol: float, rows: Any) -> None:
+    """Write q and w at times within steps into rows."""
+    begin, q, w, rate, segment, implicit, tau = columns
+    wedge = no_wedge(rise)
     for i in range(len(tau)):
         h = tau[i] - begin[i]
         if segment[i] < 0:
-            found[i, 0], found[i, 1] = q[i] + h * (1.0 - system[2] * w[i]), w[i]
+            rows[i, 0], rows[i, 1] = q[i] + h * (1.0 - field.side * w[i]), w[i]
         else:
-            law = entered(rise, int(segment[i]), True, w[i])
-            q_now, w_now, _, _, _ = stepped(implicit[i] > 0, law, system, q[i], w[i], rate[i], h, rtol, wedge)
-            found[i, 0], found[i, 1] = q_now, w_now
+            branch = entered(rise, int(segment[i]), True, w[i])
+            state = State(0.0, q[i], w[i], field.side, rate[i], 0.0)
+            step = stepped(implicit[i] > 0, branch, field, state, h, rtol, wedge)
+            rows[i, 0], rows[i, 1] = step.q, step.w
 
 
 _PATIENT = 1e4  # decay times, after which a motion without a turn creeps to rest
@@ -181,10 +162,14 @@ class Dimensionless:
         """Return eta (side mu_static - mu(0+))."""
         return self.eta * (side * self.table.static - self.table.onset)
 
+    def field(self, side: float) -> Field:
+        """Return the forces on one side of the belt's speed."""
+        return Field(self.eta, self.push(side), side, 2 * self.zeta)
+
     def acceleration(self, q: float, w: float, side: int = 1) -> float:
         """Return w', the rate at which the slip speed grows."""
-        law = self.rise.pieces, 0, len(self.rise.pieces) - 1, 0
-        return rate_at(law, (self.eta, self.push(side), side, 2 * self.zeta), q, w)
+        branch = Branch(self.rise.pieces, 0, len(self.rise.pieces) - 1, 0)
+        return rate_at(branch, self.field(side), q, w)
 
     def decay(self, w: float) -> float:
         """Return -dw'/dw, the rate at which a deviation of the slip speed w >= 0 decays, between both sides."""
@@ -215,14 +200,14 @@ class Dimensionless:
         return _PATIENT * max(1.0, 2 * abs(self.zeta))
 
     @property
-    def no_wedge(self) -> Wedge:
-        """The wedge of no quantity: its D is that of a difference of two initial conditions."""
+    def difference(self) -> Wedge:
+        """The wedge of a motion with one beside it, at the same numbers and from another state."""
         return Wedge(0.0, 0.0, 0.0, self.rise.pieces, [0.0] * len(self.rise.jumps))
 
     def slip(
         self, q: float, w: float, side: float = 1, *, passes: int = 0, until: End = End.RETURN,
-        level: float = math.inf, horizon: float | None = None, rtol: float = TIGHT, wedge: Wedge | None = None,
-        D: float = 0.0, most: int | None = None, recorded: bool = False,
+        level: float = math.inf, horizon: float | None = None, rtol: float = TIGHT,
+        wedge: tuple[Wedge, float] | None = None, most: int | None = None, recorded: bool = False,
     ) -> Slip[float]:  # fmt: skip
         """Follow one slip from (q, w), in plain Python.
 
@@ -232,7 +217,7 @@ class Dimensionless:
         - `level`: of w, at which a step ends in any case.
         - `horizon`: tau at which to stop; if not given, when nothing but a creep to rest can be left.
         - `rtol`: relative tolerance of a step.
-        - `wedge`, `D`: the quantity of a wedge, and its value at the begin.
+        - `wedge`: the quantity of a wedge, and its value at the begin.
         - `most`: how many steps it may take; then, or when the time of a `time_limit` is up, it ends as it is.
           Without it that is an error, as is all that is no answer.
         - `recorded`: keep the steps.
@@ -241,43 +226,45 @@ class Dimensionless:
 
         Raises, without `most`, what `refusal` returns.
         """
-        end_tau = self.horizon if horizon is None else horizon
-        end, state, far, steps = follow(
-            self.rise, self.eta, self.zeta, self.push(side), 2 * self.eta * self.table.static, float(side),
-            float(q), float(w), end_tau, MOST_STEPS if most is None else most, passes, rtol,
-            int(until), level, (wedge is not None, D, tuple(wedge or self.no_wedge)), recorded,
+        limits = self.horizon if horizon is None else horizon, MOST_STEPS if most is None else most, passes
+        source, D = (no_wedge(self.rise), 0.0) if wedge is None else wedge
+        run = follow(
+            self.rise, self.field(float(side)), 2 * self.eta * self.table.static,
+            State(0.0, float(q), float(w), float(side), 0.0, D), Stop(int(until), level, *limits),
+            source, rtol, recorded,
         )  # fmt: skip
-        slip: Slip[float] = Slip._make((End(end), *state, *far, [Step(*step) for step in steps]))
+        slip: Slip[float] = Slip._make((run.end, *run.state, *run.extent, run.steps))
         if most is None and (refusal := self.refusal(slip, rtol)) is not None:
             raise refusal
         return slip
 
     def slips(
-        self, q: FloatArray, w: FloatArray, side: ArrayLike = 1.0, *, eta: ArrayLike | None = None,
-        zeta: ArrayLike | None = None, passes: ArrayLike = 0, until: End = End.RETURN, level: float = math.inf,
-        horizon: float | None = None, rtol: float = TIGHT, most: int = MOST_STEPS, few: int = _FEW,
-        workers: int = 1,
+        self, q: FloatArray, w: FloatArray, side: ArrayLike = 1.0, *,
+        ratios: tuple[ArrayLike, ArrayLike] | None = None, passes: ArrayLike = 0, until: End = End.RETURN,
+        level: float = math.inf, horizon: float | None = None, rtol: float = TIGHT, most: int = MOST_STEPS,
+        few: int = _FEW, workers: int = 1,
     ) -> Slip[FloatArray]:  # fmt: skip
         """Follow many slips, compiled where numba is there; arguments as for `slip`, nothing is refused.
 
-        - `eta`, `zeta`: where they are not this system's.
+        - `ratios`: eta and zeta where they are not this system's.
         - `few`: how many are followed in plain Python.
         - `workers`: a number of threads, -1 for all processors.
 
         When the time of a `time_limit` is up, which is looked at between batches, the end of what is left is LATE.
         """
-        etas, zetas = (self.eta if eta is None else eta), (self.zeta if zeta is None else zeta)
+        etas, zetas = (self.eta, self.zeta) if ratios is None else ratios
         end_tau = self.horizon if horizon is None else horizon
         static, onset = self.table.static, self.table.onset
         push, hold = np.multiply(etas, np.multiply(side, static) - onset), np.multiply(etas, 2 * static)
-        columns = np.broadcast_arrays(etas, zetas, push, hold, side, q, w, end_tau, most, passes)
-        sides, u, none = columns[4], np.multiply(side, w), np.zeros(columns[5].shape)
-        found = np.column_stack([none + End.LATE, none, q, w, sides, *[none] * 4, q, q, u, u])
+        damping = np.multiply(2.0, zetas)
+        columns = np.broadcast_arrays(etas, push, side, damping, hold, q, w, end_tau, most, passes)
+        sides, u, none = columns[2], np.multiply(side, w), np.zeros(columns[5].shape)
+        rows = np.column_stack([none + End.LATE, none, q, w, sides, *[none] * 4, q, q, u, u])
         halves = min(float(np.max(passes, initial=0)), end_tau / math.pi)
         batch = math.ceil(_BATCH / (1.0 + halves))
-        arguments = rtol, int(until), level
-        self.spread(_follow_all, columns, arguments, found, few=few, batch=batch, workers=workers)
-        return Slip(*found.T)
+        settings = rtol, int(until), level
+        self.spread(_follow_all, columns, settings, rows, few=few, batch=batch, workers=workers)
+        return Slip(*rows.T)
 
     def rounds(self, q: FloatArray, rtol: float, **options: Any) -> FloatArray:
         """Follow rounds outside P's orbit, from displacements q >= 0 at the belt's speed, slower than it at first.
@@ -302,40 +289,35 @@ class Dimensionless:
         - `which`: the number of the step for each time.
         """
         begin, q, w, rate, _, segment, implicit = np.array(steps, dtype=np.float64)[which].T
-        system = self.eta, self.push(side), side, 2.0 * self.zeta
-        columns, found = (begin, q, w, rate, segment, implicit, tau), np.empty((len(tau), 2))
-        self.spread(_states, columns, (system, rtol), found, few=_FEW_STATES)
+        columns, rows = (begin, q, w, rate, segment, implicit, tau), np.empty((len(tau), 2))
+        self.spread(_states, columns, (self.field(side), rtol), rows, few=_FEW_STATES)
         check_time()
-        return found[:, 0], found[:, 1]
+        return rows[:, 0], rows[:, 1]
 
     def spread(
-        self, loop: Callable[..., None], columns: Sequence[FloatArray], arguments: tuple[Any, ...],
-        found: FloatArray, *, few: int = _FEW, batch: int = _BATCH, workers: int = 1,
+        self, loop: Callable[..., None], columns: Sequence[FloatArray], settings: tuple[Any, ...],
+        rows: FloatArray, *, few: int = _FEW, batch: int = _BATCH, workers: int = 1,
     ) -> None:  # fmt: skip
         """Carry out a loop over many motions, compiled where numba is there and they are more than a few.
 
-        The loop gets the rise, columns with an entry for each motion, arguments, a wedge that is not wanted, and
-        the rows for its results.
+        The loop gets the rise, columns with an entry for each motion, the settings, and the rows for its results.
 
-        - `found`: these; rows that are not reached when the time of a `time_limit` is up stay as they are.
+        - `rows`: those that are not reached when the time of a `time_limit` is up stay as they are.
         - `batch`: how many motions there are between two looks at the time.
         """
         fast = len(columns[0]) > few and is_compiling()
         rise = self.table.at(self.V, arrays=fast)
-        shifts = np.zeros(len(rise.jumps))
-        wedge = False, 0.0, (0.0, 0.0, 0.0, rise.pieces, shifts)
         run = compiled(loop) if fast else loop
 
         def carry_out(some: slice) -> bool:
             if not (some.start and is_late()):
-                parts = [np.array(column[some], dtype=np.float64) for column in columns]
-                given = parts if fast else [part.tolist() for part in parts]
-                run(rise, *given, *arguments, wedge, found[some])
+                part = tuple(np.array(column[some], dtype=np.float64) for column in columns)
+                run(rise, part if fast else [column.tolist() for column in part], *settings, rows[some])
             return True
 
-        length = batch if fast else max(len(found), 1)  # plain Python looks at the time limit itself
-        parts = [slice(low, low + length) for low in range(0, len(found), length)]
-        if None in collect(carry_out, parts, workers=workers):
+        length = batch if fast else max(len(rows), 1)  # plain Python looks at the time limit itself
+        batches = [slice(low, low + length) for low in range(0, len(rows), length)]
+        if None in collect(carry_out, batches, workers=workers):
             raise KeyboardInterrupt
 
     def unmeasured(self, w: float) -> InputError:

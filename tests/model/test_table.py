@@ -18,7 +18,7 @@ from stickslip_sym.core import balls, symbols
 from stickslip_sym.model.expression.pieces import branch_from
 from stickslip_sym.model.expression.transitions import transitions
 from stickslip_sym.model.table import FARTHEST, FrictionTable
-from stickslip_sym.motion.steps import slope_at
+from stickslip_sym.motion.steps import Branch, slope_at
 
 SLOWEST, FASTEST = 1e-9, 1e6  # belt speeds in m/s
 OFF = 1e-13  # of the rise
@@ -92,7 +92,7 @@ def test_slope_is_that_of_the_law(law, exponent):
     table, v = FrictionTable.of(law), 10.0**exponent
     assume(all(abs(v - kink) > 1e-9 for kink in table.kinks))
     scale = max(abs(law.slope(v)), abs(table.rise(v)) / v)
-    found = slope_at((table.pieces, 0, len(table.pieces) - 1, 0), v)
+    found = slope_at(Branch(table.pieces, 0, len(table.pieces) - 1, 0), v)
     assert found == pytest.approx(law.slope(v), abs=1e-9 * scale)
 
 

@@ -46,7 +46,7 @@ def test_slip_goes_on_beyond_the_belt_speed():
         def end(q, w=w, side=side, system=system, **options):
             return system.slip(q, w, side, passes=2, rtol=1e-12, **options)
 
-        whole = end(q, wedge=system.no_wedge, D=-system.acceleration(q, w, side))
+        whole = end(q, wedge=(system.difference, -system.acceleration(q, w, side)))
         if whole.end is not End.RETURN or whole.passed < 2:
             continue
         parts = [system.slip(q, w, side, rtol=1e-12)]

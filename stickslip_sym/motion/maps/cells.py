@@ -27,17 +27,18 @@ from stickslip_sym.core.numbers import SAME
 from stickslip_sym.criteria.criterion import least_squares
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.model.table import Rise
 from stickslip_sym.motion.compiled import compilable
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.damping import needed_damping
-from stickslip_sym.motion.orbits.needed import SIGNS, Found, needed_all, sure_gap
+from stickslip_sym.motion.orbits.needed import SIGNS, needed_all, sure_gap
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
 from stickslip_sym.motion.regimes.overtaking import reaches, rounds_outside
 from stickslip_sym.motion.regimes.regime import regime
 from stickslip_sym.motion.roots import NEAREST, OrbitSigns, orbit_signs
 from stickslip_sym.motion.slip import Dimensionless
-from stickslip_sym.motion.steps import ADDED
+from stickslip_sym.motion.steps import ADDED, End
 from stickslip_sym.motion.thresholds.averages import slope_mean
 
 LATE = "not reached: time limit, or Ctrl-C"
@@ -127,10 +128,11 @@ def decide(law: FrictionLaw, rtol: float, points: Mapping[str, FloatArray]) -> C
 
 
 @compilable
-def _gaps_all(rise: Any, eta: Any, zeta: Any, A: Any, rtol: float, wedge: Any, found: Any) -> None:
+def _gaps_all(rise: Rise, columns: Any, rtol: float, rows: Any) -> None:
     """Find the gaps of orbits, of the sign of the needed damping ratio minus the one there is."""
+    eta, zeta, A = columns
     for i in range(len(A)):
-        found[i, 0] = sure_gap(rise, eta[i], zeta[i], 0.0, A[i], rtol, wedge[2])[0]
+        rows[i, 0] = sure_gap(rise, eta[i], zeta[i], 0.0, A[i], rtol).value
 
 
 class _Decider:
@@ -148,11 +150,11 @@ class _Decider:
         self.equilibrium = -self.N * (math.nan if at_kink else float(law.slope(V))) / self.ratio
         eta, oscillator = np.unique(self.eta, return_inverse=True)
         orbits = eta, eta * (self.table.static - self.table.onset), np.ones(eta.size)
-        found = np.empty((eta.size, 5))
-        self.system.spread(needed_all, orbits, (SIGNS,), found, few=0)
+        rows = np.empty((eta.size, 5))
+        self.system.spread(needed_all, orbits, (SIGNS,), rows, few=0)
         check_time()
-        end, *ratios = found[oscillator, :3].T
-        self.exact, self.error = np.where(end == Found.ROOT, ratios, math.nan)
+        end, *ratios = rows[oscillator, :3].T
+        self.exact, self.error = np.where(end == End.CLOSED, ratios, math.nan)
 
     def _oscillator(self, V: float, i: int) -> Oscillator:
         return Oscillator(V=V, **{name: float(column[i]) for name, column in self.points.items()})
@@ -203,7 +205,7 @@ class _Decider:
         sticks = (begin <= 0) & (begin >= -2 * static)
 
         def ends(cells: BoolArray, q: FloatArray) -> FloatArray:
-            return self.system.rounds(q[cells], SIGNS, eta=self.eta[cells], zeta=zeta[cells], few=0)
+            return self.system.rounds(q[cells], SIGNS, ratios=(self.eta[cells], zeta[cells]), few=0)
 
         end = np.zeros(zeta.shape)
         end[returns] = ends(returns, end)
@@ -226,8 +228,7 @@ class _Decider:
         q = reaches(self.system, self.eta, self.zeta)
         for _ in range(_INWARD):
             inward = np.flatnonzero(sought & (q > 0) & np.isfinite(q))
-            options = {"eta": self.eta[inward], "zeta": self.zeta[inward], "few": 0}
-            ends = self.system.rounds(q[inward], SIGNS, **options)
+            ends = self.system.rounds(q[inward], SIGNS, ratios=(self.eta[inward], self.zeta[inward]), few=0)
             q[inward] = np.where(np.isnan(ends), 0.0, np.where((ends >= 0) & (ends < q[inward]), ends, math.inf))
         for i in np.flatnonzero(sought & (q > 0)).tolist():
             check_time()
@@ -252,11 +253,11 @@ class _Decider:
 
     def _gaps(self, cell: IntArray, A: FloatArray) -> FloatArray:
         """Return gaps, cut at -1 and 1, by the numbers of cells; NaN where the sign is not known."""
-        found = np.empty((cell.size, 1))
-        self.system.spread(_gaps_all, (self.eta[cell], self.zeta[cell], A), (SIGNS,), found, few=0)
+        rows = np.empty((cell.size, 1))
+        self.system.spread(_gaps_all, (self.eta[cell], self.zeta[cell], A), (SIGNS,), rows, few=0)
         check_time()
         unsure = 2 * math.pi * self.error[cell]  # of weak friction all gaps are small
-        gaps = found[:, 0]
+        gaps = rows[:, 0]
         return np.where(np.abs(gaps) < unsure, math.nan, np.clip(gaps, -1.0, 1.0))
 
     def _follow(self, cells: Cells, i: int) -> None:

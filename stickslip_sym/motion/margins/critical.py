@@ -199,10 +199,9 @@ def excess(points: OperatingPoints, c: float, method: Method | None) -> float:
         system = Dimensionless.of(points.law, points.oscillator(0, c))
     except NO_RESULT:
         return math.nan
-    wedge = tuple(system.no_wedge)
-    value, outside = sure_gap(system.rise, system.eta, system.zeta, system.push(1), 1.0, SIGNS, wedge)
+    gap = sure_gap(system.rise, system.eta, system.zeta, system.push(1), 1.0, SIGNS)
     deadline.check_time()
-    return math.nan if outside and math.isfinite(system.w_max) else min(max(float(value), -1.0), 1.0)
+    return math.nan if gap.outside and math.isfinite(system.w_max) else min(max(float(gap.value), -1.0), 1.0)
 
 
 def _places(within: Sequence[float | str] | None) -> FloatArray | None:

@@ -107,13 +107,13 @@ def limit_cycles(
 def _cycle(need: NeededDamping, osc: Oscillator, A: float, stable: bool) -> LimitCycle:
     """Return the cycle of an amplitude: two motions side by side part or close up by the ratio of their wedges."""
     system = need.system
-    ahead, back, _ = halves(system.rise, system.eta, osc.zeta, 0.0, A, TIGHT, True, 1.0, tuple(system.no_wedge))
+    ahead, back, _ = halves(system.rise, system.eta, osc.zeta, 0.0, A, TIGHT, system.difference, 1.0)
     deadline.check_time()
     # A wedge is 0 where its half slides along a jump of mu. Forward, the motions beside it come to lie on it;
     # backward, it is one from which those beside it part at once.
-    factor = min(ahead[2] / max(back[2], _STRONGEST), 1 / _STRONGEST)
+    factor = min(ahead.wedge / max(back.wedge, _STRONGEST), 1 / _STRONGEST)
     if abs(need.gap(A, 2 * osc.zeta)) > PARTED:
         # The orbit touches a speed where mu jumps, and d steps past the damping that there is. Where it rises
         # those inside shrink, and the jump throws those outside on; where it falls both come to slide along it.
         factor = 0.0 if need.gap(A * (1 - _BESIDE), 2 * osc.zeta) > 0 else math.inf
-    return replace(LimitCycle.of(osc, A, ahead[3] + back[3], factor), stable=stable)
+    return replace(LimitCycle.of(osc, A, ahead.tau + back.tau, factor), stable=stable)

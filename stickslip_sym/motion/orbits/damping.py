@@ -28,7 +28,6 @@ from stickslip_sym.motion.compiled import is_ready
 from stickslip_sym.motion.orbits.needed import (
     ROUNDING,
     SIGNS,
-    Found,
     highest_all,
     needed_all,
     needed_ratio,
@@ -37,7 +36,7 @@ from stickslip_sym.motion.orbits.needed import (
 from stickslip_sym.motion.roots import NEAREST
 from stickslip_sym.motion.simulation.cycle import first_minimum
 from stickslip_sym.motion.slip import Dimensionless
-from stickslip_sym.motion.steps import TIGHT
+from stickslip_sym.motion.steps import TIGHT, End
 
 _RTOL = 1e-9  # of d, that its polynomials may leave out
 _MOST = 2000  # orbits, to resolve it
@@ -70,7 +69,7 @@ class NeededDamping:
     def gap(self, A: float, damping: float) -> float:
         """Return the gap of an orbit at a damping over sqrt(k m), of the sign of d(A) - damping."""
         system = self.system
-        value, _ = sure_gap(system.rise, system.eta, damping / 2, 0.0, A, TIGHT, tuple(system.no_wedge))
+        value = sure_gap(system.rise, system.eta, damping / 2, 0.0, A, TIGHT).value
         check_time()
         if math.isnan(value):
             raise NotConverged(
@@ -144,12 +143,12 @@ class NeededDamping:
         It is infinite where no damping is enough, or none too little. Where less lets an orbit leave the speeds
         that were measured it is the damping at which that begins.
         """
-        found = np.full((A.size, 5), float(Found.LATE))
+        rows = np.full((A.size, 5), float(End.LATE))
         orbits = np.full(A.size, self.system.eta), np.zeros(A.size), A
-        self._spread(needed_all, orbits, SIGNS, found)
-        end, zeta, error, low, high = found.T
-        bounded = end == Found.BEYOND
-        cases = [end == Found.ROOT, bounded, end == Found.NONE]
+        self._spread(needed_all, orbits, SIGNS, rows)
+        end, zeta, error, low, high = rows.T
+        bounded = end == End.OUTSIDE
+        cases = [end == End.CLOSED, bounded, end == End.NEVER]
         values = np.select(cases, [2 * zeta, 2 * zeta, np.copysign(np.inf, zeta)], np.nan)
         return values, np.select(cases[:2], [2 * error, 2 * (high - low)], 0.0)
 
@@ -167,15 +166,15 @@ class NeededDamping:
         (damping,), _ = self._values(np.array([A]))
         if not math.isfinite(damping):
             return math.inf
-        found, column = np.empty((1, 1)), np.ones(1)
-        self._spread(highest_all, (system.eta * column, damping / 2 * column, A * column), TIGHT, found)
-        return float(found[0, 0])
+        rows, column = np.empty((1, 1)), np.ones(1)
+        self._spread(highest_all, (system.eta * column, damping / 2 * column, A * column), TIGHT, rows)
+        return float(rows[0, 0])
 
     def _spread(
-        self, loop: Callable[..., None], columns: tuple[FloatArray, ...], rtol: float, found: FloatArray
+        self, loop: Callable[..., None], columns: tuple[FloatArray, ...], rtol: float, rows: FloatArray
     ) -> None:
         """Carry out a loop over orbits: compiled where its machine code is loaded, or worth that."""
-        self.system.spread(loop, columns, (rtol,), found, few=0 if is_ready(needed_all) else _FEW)
+        self.system.spread(loop, columns, (rtol,), rows, few=0 if is_ready(needed_all) else _FEW)
         check_time()
 
     # -- what is read from them --------------------------------------------------------------------

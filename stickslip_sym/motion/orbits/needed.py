@@ -19,16 +19,30 @@ without a static excess they begin at one point, and the orbit is closed. For A 
 """
 
 import math
-from enum import IntEnum
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
+from stickslip_sym.model.table import Pieces, Rise
 from stickslip_sym.motion.compiled import compilable
 from stickslip_sym.motion.slip import Dimensionless
-from stickslip_sym.motion.steps import MOST_STEPS, PRECISE, TIGHT, End, follow, interval, rise_at
+from stickslip_sym.motion.steps import (
+    MOST_STEPS,
+    PRECISE,
+    TIGHT,
+    Branch,
+    End,
+    Field,
+    State,
+    Stop,
+    Wedge,
+    follow,
+    interval,
+    no_wedge,
+    rise_at,
+)
 
 SIGNS = 1e-11
 """The relative tolerance of the steps along which the sign of a gap is decided."""
@@ -53,133 +67,169 @@ _FARTHEST = 1e6  # damping ratio over 1 + |eta|, and over the largest rise of fr
 _PATIENT = 100.0  # times as long as the displacement takes at the belt's speed, after which a half creeps to rest
 
 
-class Found(IntEnum):
-    """How a search ends."""
+class Half(NamedTuple):
+    """Half an orbit: its end, `LEVEL` where it came to w = 1, w' and the wedge D there, and how long it took."""
 
-    ROOT = 0
-    NONE = 1  # there is none
-    BEYOND = 2  # what was measured of the law
-    LOST = 3  # without an answer
-    LATE = 4
+    end: End
+    rate: float
+    wedge: float
+    tau: float
+
+
+class Halves(NamedTuple):
+    """Both halves of an orbit, and its highest slip speed."""
+
+    ahead: Half
+    back: Half
+    highest: float
+
+
+class Gap(NamedTuple):
+    """The gap of an orbit.
+
+    - `value`: infinite where a half creeps to rest, or the forward one leaves the table of the law.
+    - `slope`: its derivative by the quantity of the wedge.
+    - `outside`: whether the forward half left the table.
+    - `rounding`: how far the value may be off for rounding alone.
+    """
+
+    value: float
+    slope: float
+    outside: bool
+    rounding: float
+
+
+class Needed(NamedTuple):
+    """The damping ratio that an orbit needs, as far as it was found.
+
+    - `end`: how the search ended: `CLOSED`, `NEVER`, `OUTSIDE`, `FAILED`, or `LATE`.
+    - `zeta`, `error`: the damping ratio, and its error.
+    - `low`, `high`: ratios between which it lies.
+    """
+
+    end: End
+    zeta: float
+    error: float
+    low: float
+    high: float
 
 
 @compilable
-def _standing(pieces: Any, above: bool) -> float:
+def _standing(pieces: Pieces, above: bool) -> float:
     """Return a rise where the mass stands still, w = 1: its limit from slip speeds above, or from below."""
     at = interval(pieces, 0, len(pieces) - 1, 0, 1.0)
     if not above and at > 0 and pieces[at][0] == 1.0:
         at -= 1
-    return rise_at((pieces, at, at, at), 1.0)
+    return rise_at(Branch(pieces, at, at, at), 1.0)
+
+
+@compilable
+def _is_stopped(end: End) -> bool:
+    """Whether the work on a slip was given up."""
+    return end in (End.STEPS, End.FAILED, End.LATE)
 
 
 @compilable
 def halves(
-    rise: Any, eta: float, zeta: float, push: float, A: float, rtol: float, wanted: bool, D: float, source: Any
-) -> Any:
+    rise: Rise, eta: float, zeta: float, push: float, A: float, rtol: float, wedge: Wedge, D: float
+) -> Halves:
     """Follow both halves from w = 1 - A to w = 1.
 
     - `push`: eta (mu_static - mu(0+)).
-    - `wanted`, `D`, `source`: whether a wedge is, its value at w = 1 - A, and the fields of a `Wedge`.
+    - `D`: the value of the wedge at w = 1 - A.
 
-    Returns for either half, the forward one first, whether it came to w = 1 (1), crept to rest (0), left the
-      table of the law (-1) or took too many steps (-2), w' and D there, and how long it took; and the highest
-      slip speed. Where mu jumps at w = 1 they are those on the side where w' is lower.
+    Where mu jumps at w = 1 rates and wedges are those on the side where w' is lower.
     """
-    pieces = rise[0]
-    whole = len(pieces) - 1
+    pieces = rise.pieces
+    whole = Branch(pieces, 0, len(pieces) - 1, 0)
     w = 1.0 - A
-    graze = 2.0 * zeta * w - push + eta * rise_at((pieces, 0, whole, 0), w)
+    graze = 2.0 * zeta * w - push + eta * rise_at(whole, w)
     q = 0.0 if w == 0.0 else graze
-    at_rest = eta * rise_at((pieces, 0, whole, 0), 1.0) if rise[1][len(rise[1]) - 1] > 1.0 else 0.0
+    at_rest = eta * rise_at(whole, 1.0) if rise.levels[-1] > 1.0 else 0.0
     horizon = _PATIENT * (1.0 + 2.0 * abs(zeta) + abs(push) + abs(at_rest))
     # From here on q is the displacement from rest: near w = 1 its errors are to be small beside that.
     rest = 2.0 * zeta - push + at_rest
     push, q, graze = push + rest, q - rest, graze - rest
-    end, (tau, q_f, highest, _, r_f, D_f), _, _ = follow(
-        rise, eta, zeta, push, 0.0, 1.0, q, w, horizon, MOST_STEPS, 0, rtol, End.MAXIMUM.value, math.inf,
-        (wanted, D, source), False,
-    )  # fmt: skip
+    forward, to_top = Field(eta, push, 1.0, 2.0 * zeta), Stop(End.MAXIMUM.value, math.inf, horizon, MOST_STEPS, 0)
+    to_rest = Stop(End.LEVEL.value, 1.0, horizon, MOST_STEPS, 0)
+    end, top, _, _ = follow(rise, forward, 0.0, State(0.0, q, w, 1.0, 0.0, D), to_top, wedge, rtol, False)
+    last, tau = top, top.tau
     if end == End.MAXIMUM:
-        end, (more, _, _, _, r_f, D_f), _, _ = follow(
-            rise, eta, zeta, push, 0.0, 1.0, q_f, highest, horizon, MOST_STEPS, 0, rtol, End.LEVEL.value, 1.0,
-            (wanted, D_f, source), False,
-        )  # fmt: skip
-        tau += more
-    stopped = (End.STEPS, End.FAILED, End.LATE)
-    way = 1 if end == End.LEVEL else -1 if end == End.OUTSIDE else -2 if end in stopped else 0
+        begin = State(0.0, top.q, top.w, 1.0, 0.0, top.wedge)
+        end, last, _, _ = follow(rise, forward, 0.0, begin, to_rest, wedge, rtol, False)
+        tau += last.tau
+    ahead = Half(end, last.rate, last.wedge, tau)
     # Backward in time the equations are the same, with q and all of their factors negated.
-    constant, linear, factor, own, shifts = source
-    end, (tau_b, _, _, _, r_b, D_b), _, _ = follow(
-        rise, -eta, -zeta, -push, 0.0, 1.0, -graze, w, horizon, MOST_STEPS, 0, rtol, End.LEVEL.value, 1.0,
-        (wanted, D, (-constant, -linear, -factor, own, shifts)), False,
-    )  # fmt: skip
-    back = 1 if end == End.LEVEL else -2 if end in stopped else 0
-    r_b = -r_b
-    jump = eta * (_standing(pieces, True) - _standing(pieces, False)) if way == 1 and back == 1 else 0.0
-    if jump < 0.0 and r_f < 0.0:
-        r_f, D_f = r_f + jump, D_f * (1.0 + jump / r_f)
-    elif jump > 0.0 and r_b < 0.0:
-        r_b, D_b = r_b - jump, D_b * (1.0 - jump / r_b)
-    return (way, r_f, D_f, tau), (back, r_b, D_b, tau_b), highest
+    constant, linear, factor, own, shifts, wanted = wedge
+    negated = Wedge(-constant, -linear, -factor, own, shifts, wanted)
+    backward, begin = Field(-eta, -push, 1.0, -2.0 * zeta), State(0.0, -graze, w, 1.0, 0.0, D)
+    end, last, _, _ = follow(rise, backward, 0.0, begin, to_rest, negated, rtol, False)
+    back = Half(end, -last.rate, last.wedge, last.tau)
+    if ahead.end == End.LEVEL and back.end == End.LEVEL:
+        jump = eta * (_standing(pieces, True) - _standing(pieces, False))
+        if jump < 0.0 and ahead.rate < 0.0:
+            ahead = _across(ahead, jump)
+        elif jump > 0.0 and back.rate < 0.0:
+            back = _across(back, -jump)
+    return Halves(ahead, back, top.w)
 
 
 @compilable
-def gap(
-    rise: Any, eta: float, zeta: float, push: float, A: float, rtol: float, wanted: bool, D: float, source: Any
-) -> Any:
-    """Return the gap, its derivative, whether the forward half left the table of the law, and the gap's rounding.
+def _across(half: Half, jump: float) -> Half:
+    """Return the end of a half beyond a jump of w', with which the wedge changes."""
+    return Half(half.end, half.rate + jump, half.wedge * (1.0 + jump / half.rate), half.tau)
 
-    Arguments as for `halves`; the derivative is that by the quantity of the wedge. The gap is infinite where a
-    half creeps to rest, or the forward one leaves the table.
-    """
-    (way, r_f, D_f, _), (back, r_b, D_b, _), _ = halves(rise, eta, zeta, push, A, rtol, wanted, D, source)
-    if way == 1 and back == 1 and r_f < 0.0 and r_b < 0.0:
-        constant, linear, factor, pieces, _ = source
+
+@compilable
+def gap(rise: Rise, eta: float, zeta: float, push: float, A: float, rtol: float, wedge: Wedge) -> Gap:
+    """Return the gap; arguments as for `halves`."""
+    ahead, back, _ = halves(rise, eta, zeta, push, A, rtol, wedge, 0.0)
+    meet = ahead.end == End.LEVEL and back.end == End.LEVEL
+    if meet and ahead.rate < 0.0 and back.rate < 0.0:
+        constant, linear, factor, pieces, _, _ = wedge
         b = constant + linear
         if factor != 0.0:
-            b += factor * _standing(pieces, _standing(rise[0], True) >= _standing(rise[0], False))
-        lifted = eta * _standing(rise[0], True)
-        rounding = ROUNDING * (1.0 + (abs(lifted) + abs(push) + abs(zeta)) / abs(r_f))
-        return math.log(r_f / r_b), (b - D_f / r_f) / r_f - (b - D_b / r_b) / r_b, False, rounding
-    if rtol < _COARSE and (way == -2 or back == -2):
-        return math.nan, 0.0, False, math.inf
-    driven = way == -1 or (way == 1 and r_f < 0.0)
-    return math.inf if driven else -math.inf, 0.0, way == -1, math.inf
+            b += factor * _standing(pieces, _standing(rise.pieces, True) >= _standing(rise.pieces, False))
+        lifted = eta * _standing(rise.pieces, True)
+        rounding = ROUNDING * (1.0 + (abs(lifted) + abs(push) + abs(zeta)) / abs(ahead.rate))
+        slope = (b - ahead.wedge / ahead.rate) / ahead.rate - (b - back.wedge / back.rate) / back.rate
+        return Gap(math.log(ahead.rate / back.rate), slope, False, rounding)
+    if rtol < _COARSE and (_is_stopped(ahead.end) or _is_stopped(back.end)):
+        return Gap(math.nan, 0.0, False, math.inf)
+    outside = ahead.end == End.OUTSIDE
+    driven = outside or (ahead.end == End.LEVEL and ahead.rate < 0.0)
+    return Gap(math.inf if driven else -math.inf, 0.0, outside, math.inf)
 
 
 @compilable
-def sure_gap(rise: Any, eta: float, zeta: float, push: float, A: float, rtol: float, source: Any) -> Any:
-    """Return the gap, and whether the forward half left the table: by coarse steps where they show its sign."""
-    coarse = _STIFF if abs(eta) > _STRONG else _COARSE
-    value, _, outside, _ = gap(rise, eta, zeta, push, A, coarse, False, 0.0, source)
-    if outside or not _ROUGH < abs(value) < math.inf:
-        value, _, outside, _ = gap(rise, eta, zeta, push, A, rtol, False, 0.0, source)
-    return value, outside
+def sure_gap(rise: Rise, eta: float, zeta: float, push: float, A: float, rtol: float) -> Gap:
+    """Return the gap by coarse steps where they show its sign, without its derivative."""
+    unwanted = no_wedge(rise)
+    coarse = gap(rise, eta, zeta, push, A, _STIFF if abs(eta) > _STRONG else _COARSE, unwanted)
+    if not coarse.outside and _ROUGH < abs(coarse.value) < math.inf:
+        return coarse
+    return gap(rise, eta, zeta, push, A, rtol, unwanted)
 
 
 @compilable
-def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: Any) -> Any:
-    """Search for the damping ratio that an orbit needs.
-
-    - `tight`: tolerance of the last steps.
-    - `by_zeta`: the fields of the wedge by zeta.
-
-    Returns how that ended, the damping ratio, its error, and between which ratios it lies.
-    """
+def needed(rise: Rise, eta: float, push: float, A: float, tight: float) -> Needed:
+    """Search for the damping ratio that an orbit needs; `tight` is the tolerance of the last steps."""
+    unwanted = no_wedge(rise)
+    by_zeta = Wedge(0.0, -2.0, 0.0, rise.pieces, unwanted.shifts, True)
     low, high, slope = -math.inf, math.inf, _FALL
     zeta, largest = _harmonic(rise, eta, A)
     reach = 0.1 * max(abs(zeta), largest + abs(push))
     if max(largest, abs(push)) == 0.0:
-        return Found.ROOT, 0.0, 0.0, low, high
+        return Needed(End.CLOSED, 0.0, 0.0, low, high)
     if not largest < _WILD:
-        return Found.LOST, zeta, math.inf, low, high
+        return Needed(End.FAILED, zeta, math.inf, low, high)
     rtol = _STIFF if abs(eta) > _STRONG else _COARSE
     before, gap_before, beyond = math.nan, math.nan, False
     for _ in range(_MOST_GAPS):
         coarse = rtol > tight
-        value, by, outside, rounding = gap(rise, eta, zeta, push, A, rtol, coarse, 0.0, by_zeta)
+        value, by, outside, rounding = gap(rise, eta, zeta, push, A, rtol, by_zeta if coarse else unwanted)
         if is_late():
-            return Found.LATE, zeta, math.inf, low, high
+            return Needed(End.LATE, zeta, math.inf, low, high)
         beyond = beyond or outside
         if -math.inf < by < 0.0 and coarse:
             slope = by
@@ -190,26 +240,25 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
         elif value <= 0.0:
             high = min(high, zeta)
         else:
-            return Found.LOST, zeta, math.inf, low, high
+            return Needed(End.FAILED, zeta, math.inf, low, high)
         before, unchanged, gap_before = zeta, abs(value) > _SLOW * abs(gap_before), value
         if not coarse and (abs(value) <= _DONE or (unchanged and abs(value) <= _NEAR and not beyond)):
-            loose, _, _, _ = gap(rise, eta, zeta, push, A, _LOOSER * tight, False, 0.0, by_zeta)
+            loose = gap(rise, eta, zeta, push, A, _LOOSER * tight, unwanted).value
             off = abs(loose - value) + rounding + (_LOOSER * tight if tight > PRECISE else 0.0)
             if abs(value) <= _DONE:
                 error, ends = (off + _ROUGH * abs(value)) / -slope, zeta - value / slope
             else:  # the gap is no more than what the steps are off, or it jumps beside its root
                 error, ends = (off + abs(value)) / -max(slope, _FALL), zeta
             if abs(value) <= max(_DONE, _UNSURE * off) and error <= _ROUGH * (abs(zeta) + largest):
-                return Found.ROOT, ends, error + PRECISE * largest, low, high
+                return Needed(End.CLOSED, ends, error + PRECISE * largest, low, high)
         if math.isfinite(high - low) and high - low <= ROUNDING * max(abs(low), abs(high)):
             # The gap jumps there, as where the halves pass a jump of mu on one side only, or part by all digits;
             # or the law ends there, and the forward half leaves its table for less damping.
-            _, _, outside, _ = gap(rise, eta, low, push, A, rtol, False, 0.0, by_zeta)
-            if outside:
-                return Found.BEYOND, zeta, math.inf, low, high
-            error = _spread(rise, eta, push, A, _LOOSER * tight, by_zeta, low, high)
-            end = Found.ROOT if error < math.inf else Found.LOST
-            return end, zeta, error + PRECISE * largest, low, high
+            if gap(rise, eta, low, push, A, rtol, unwanted).outside:
+                return Needed(End.OUTSIDE, zeta, math.inf, low, high)
+            error = _spread(rise, eta, push, A, _LOOSER * tight, low, high)
+            end = End.CLOSED if error < math.inf else End.FAILED
+            return Needed(end, zeta, error + PRECISE * largest, low, high)
         if coarse and abs(value) <= _NEAR:
             zeta, rtol, low, high, gap_before = zeta - value / slope, tight, -math.inf, math.inf, math.nan
             continue
@@ -223,42 +272,48 @@ def needed(rise: Any, eta: float, push: float, A: float, tight: float, by_zeta: 
                 reach *= 3.0
         if abs(zeta) > _FARTHEST * (1.0 + abs(eta) + largest):
             # Coarse steps that fail are taken for a half that creeps to rest; tight ones say that they failed.
-            sure, _, _, _ = gap(rise, eta, before, push, A, tight, False, 0.0, by_zeta)
-            end = Found.BEYOND if beyond else Found.LOST if math.isnan(sure) else Found.NONE
-            return end, zeta, math.inf, low, high
-    return Found.LOST, zeta, math.inf, low, high
+            sure = gap(rise, eta, before, push, A, tight, unwanted).value
+            end = End.OUTSIDE if beyond else End.FAILED if math.isnan(sure) else End.NEVER
+            return Needed(end, zeta, math.inf, low, high)
+    return Needed(End.FAILED, zeta, math.inf, low, high)
 
 
 @compilable
-def needed_all(rise: Any, eta: Any, push: Any, A: Any, tight: float, wedge: Any, found: Any) -> None:
-    """Search for the damping ratios that many orbits need: a row of what `needed` returns for each."""
-    source = wedge[2]
-    by_zeta = (0.0, -2.0, 0.0, source[3], source[4])
+def needed_all(rise: Rise, columns: Any, tight: float, rows: Any) -> None:
+    """Search for the damping ratios that many orbits need, from eta, push and A to rows as a `Needed` has them."""
+    eta, push, A = columns
     for i in range(len(A)):
-        end, zeta, error, low, high = needed(rise, eta[i], push[i], A[i], tight, by_zeta)
-        found[i, 0], found[i, 1], found[i, 2], found[i, 3], found[i, 4] = end.value, zeta, error, low, high
+        need = needed(rise, eta[i], push[i], A[i], tight)
+        rows[i, 0] = need.end.value
+        rows[i, 1], rows[i, 2], rows[i, 3], rows[i, 4] = need.zeta, need.error, need.low, need.high
 
 
 @compilable
-def highest_all(rise: Any, eta: Any, zeta: Any, A: Any, rtol: float, wedge: Any, found: Any) -> None:
-    """Find the highest slip speeds over V of many orbits: infinite where one leaves the table or is lost."""
+def highest_all(rise: Rise, columns: Any, rtol: float, rows: Any) -> None:
+    """Find the highest slip speeds over V of many orbits, from eta, zeta and A.
+
+    They are infinite where one leaves the table or is lost.
+    """
+    eta, zeta, A = columns
     for i in range(len(A)):
-        (way, _, _, _), _, highest = halves(rise, eta[i], zeta[i], 0.0, A[i], rtol, False, 0.0, wedge[2])
-        found[i, 0] = highest if way >= 0 else math.inf
+        orbit = halves(rise, eta[i], zeta[i], 0.0, A[i], rtol, no_wedge(rise), 0.0)
+        lost = orbit.ahead.end == End.OUTSIDE or _is_stopped(orbit.ahead.end)
+        rows[i, 0] = math.inf if lost else orbit.highest
 
 
 @compilable
-def _harmonic(rise: Any, eta: float, A: float) -> tuple[float, float]:
+def _harmonic(rise: Rise, eta: float, A: float) -> tuple[float, float]:
     """Return the damping ratio by harmonic balance over slip speeds from 1 - A to 1 + A, and the largest rise.
 
     The ratio is a first guess, by a few phases. The rise is 0 only if it is at the middle of each piece too: the
     bump of a law that is flat elsewhere lies between phases.
     """
-    pieces, end = rise[0], rise[1][len(rise[1]) - 1]
+    pieces, end = rise.pieces, rise.levels[-1]
+    whole = Branch(pieces, 0, len(pieces) - 1, 0)
     zeta, largest = 0.0, 0.0
     for i in range(_PHASES):
         cosine = math.cos((i + 0.5) * math.pi / _PHASES)
-        lifted = eta * rise_at((pieces, 0, len(pieces) - 1, 0), min(1.0 - A * cosine, end))
+        lifted = eta * rise_at(whole, min(1.0 - A * cosine, end))
         zeta += lifted * cosine / (A * _PHASES)
         largest = max(largest, abs(lifted))
     for i in range(len(pieces)):
@@ -268,14 +323,12 @@ def _harmonic(rise: Any, eta: float, A: float) -> tuple[float, float]:
 
 
 @compilable
-def _spread(
-    rise: Any, eta: float, push: float, A: float, rtol: float, by_zeta: Any, low: float, high: float
-) -> float:
+def _spread(rise: Rise, eta: float, push: float, A: float, rtol: float, low: float, high: float) -> float:
     """Return how far from a jump of the gap a looser tolerance sees its sign change."""
     step = high - low
     while step <= _ROUGH * max(abs(low), abs(high)):
-        below, _, _, _ = gap(rise, eta, low - step, push, A, rtol, False, 0.0, by_zeta)
-        above, _, _, _ = gap(rise, eta, high + step, push, A, rtol, False, 0.0, by_zeta)
+        below = gap(rise, eta, low - step, push, A, rtol, no_wedge(rise)).value
+        above = gap(rise, eta, high + step, push, A, rtol, no_wedge(rise)).value
         if below > 0.0 >= above:
             return high - low + step
         step *= 10.0
@@ -302,21 +355,20 @@ def needed_ratio(
     wanted = _SHARE * rtol * abs(_harmonic(system.rise, eta, A)[0])
     loosest = _STIFF if abs(eta) > _STRONG else TIGHT
     tight = next((steps for steps in (loosest, TIGHT) if steps <= wanted), PRECISE)
-    orbit = tuple(np.array([value]) for value in (eta, push, A))
-    found = np.empty((1, 5))
-    system.spread(needed_all, orbit, (tight,), found, few=0 if fast else 1)
-    how, zeta, error, low, high = found[0].tolist()
-    if how == Found.LATE or is_late():  # then the last gap may be wrong
+    orbit, rows = [np.array([value]) for value in (eta, push, A)], np.empty((1, 5))
+    system.spread(needed_all, orbit, (tight,), rows, few=0 if fast else 1)
+    end, zeta, error, low, high = rows[0].tolist()
+    if end == End.LATE or is_late():  # then the last gap may be wrong
         raise OutOfTime(
             f"the time limit was reached; the best value so far is c = {2 * zeta:.6g} sqrt(k m), and c lies "
             f"between {2 * low:.6g} and {2 * high:.6g} times sqrt(k m)"
         )
-    if how == Found.ROOT:
+    if end == End.CLOSED:
         return zeta, error
-    if how == Found.BEYOND and math.isfinite(system.w_max):
+    if end == End.OUTSIDE and math.isfinite(system.w_max):
         raise system.unmeasured(system.w_max)
     place = f"at eta = {eta:g} and V = {system.V:g} m/s"
-    if how == Found.NONE:
+    if end == End.NEVER:
         raise NoThreshold(f"the slip from P returns to the belt's speed for every damping, or for none, {place}")
     raise NotConverged(
         f"the slip from P cannot be integrated {place}: friction is too strong, or its law too steep, for the "

@@ -16,8 +16,8 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import FrictionTable, Pieces
 from stickslip_sym.motion.orbits.needed import PARTED, gap, needed_ratio
-from stickslip_sym.motion.slip import Dimensionless, Wedge
-from stickslip_sym.motion.steps import TIGHT, End
+from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.steps import TIGHT, End, Wedge, no_wedge
 
 _BEYOND = 1.5  # times the highest slip speed, up to which a derivative of the law is tabulated: steps try further
 _SAME = 1e-8  # relative distance of two slip speeds that are one, as the highest and one at which mu jumps
@@ -45,17 +45,17 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     system = Dimensionless.of(law, osc)
     zeta, error = needed_ratio(system)
     rise, eta, V, push = system.rise, system.eta, osc.V, system.push(1)
-    damped, wedge = replace(system, zeta=zeta + error), system.no_wedge._replace(linear=-2.0)
+    damped, wedge = replace(system, zeta=zeta + error), system.difference._replace(linear=-2.0)
     highest = damped.slip(0.0, 0.0, until=End.MAXIMUM).w
     near = [i for i, w in enumerate(rise.levels[:-1]) if rise.jumps[i] and abs(w - highest) <= _SAME * w]
-    parted = bool(near) and abs(gap(rise, eta, zeta, push, 1.0, TIGHT, False, 0.0, tuple(wedge))[0]) > PARTED
+    parted = bool(near) and abs(gap(rise, eta, zeta, push, 1.0, TIGHT, no_wedge(rise)).value) > PARTED
 
     def derivative(source: Wedge) -> float:
         check_time()
         if parted:
-            top = damped.slip(0.0, 0.0, until=End.MAXIMUM, wedge=source)
+            top = damped.slip(0.0, 0.0, until=End.MAXIMUM, wedge=(source, 0.0))
             return top.wedge / (1.0 - top.w) - source.shifts[near[0]]
-        return float(gap(rise, eta, zeta, push, 1.0, TIGHT, True, 0.0, tuple(source))[1])
+        return gap(rise, eta, zeta, push, 1.0, TIGHT, source).slope
 
     unit, slope = 2 * osc.impedance, derivative(wedge)
     if not slope < 0.0:  # no number, or 0 where a half creeps to rest

@@ -180,7 +180,7 @@ def test_cycles_are_fixed_points_of_their_rounds(law):
     for cycle in ss.limit_cycles(law, paper_oscillator(c)):
         system = Dimensionless.of(law, paper_oscillator(c))
         A = cycle.amplitude / 0.5
-        slip = system.slip(system.turn(1 - A), 1 - A, until=End.MINIMUM, rtol=1e-12, wedge=system.no_wedge, D=-A)
+        slip = system.slip(system.turn(1 - A), 1 - A, until=End.MINIMUM, rtol=1e-12, wedge=(system.difference, -A))
         growth = slip.wedge / (slip.w - 1)
         assert 1 - slip.w == pytest.approx(A, rel=1e-9)
         assert slip.tau / 10 == pytest.approx(cycle.period, rel=1e-9)
