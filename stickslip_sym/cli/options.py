@@ -128,7 +128,7 @@ def unit_of(law: ss.FrictionLaw, name: str) -> str | None:
     return (law.parameters[name].unit or "") if name in law.parameters else None
 
 
-def _read_file(text: str, name: str, *, endings: Sequence[str]) -> Path:
+def read_file(text: str, name: str, *, endings: Sequence[str]) -> Path:
     """Read the name of a file to write, and refuse it before the work where it cannot be written."""
     from stickslip_sym.output import drawing, files
 
@@ -151,7 +151,7 @@ def _read_file(text: str, name: str, *, endings: Sequence[str]) -> Path:
 
 def file_option(*names: str, endings: Sequence[str] = (), **more: Any) -> click.Option:
     """Return an option that takes the name of a file to write, of certain endings."""
-    return option(*names, read=partial(_read_file, endings=endings), metavar="FILE", **more)
+    return option(*names, read=partial(read_file, endings=endings), metavar="FILE", **more)
 
 
 def plot_option(text: str) -> click.Option:

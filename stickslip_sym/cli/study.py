@@ -13,31 +13,42 @@ from stickslip_sym.cli.output import echo_all, in_options
 from stickslip_sym.cli.reading import points, reading_of
 from stickslip_sym.core.errors import InputError
 
+_PAGE, _PAGES = "study.html", (".html", ".htm", ".xhtml")
+_SECONDS = 20.0  # for the exact thresholds of a page with sliders
+
 
 @options.command(
     options.AT, options.DAMPING,
     option("--fit", type=Path, metavar="FILE", help="Measured friction to fit LAW, or the catalogue, to."),
-    options.file_option(
-        "--output", "-o", endings=(".html", ".htm", ".xhtml"), default="study.html", help="The page (study.html)."
-    ),
+    options.file_option("--output", "-o", endings=_PAGES, help=f"The page ({_PAGE})."),
     options.file_option("--pdf", endings=(".pdf",), help="Print the page too, by chromium or chrome."),
+    options.file_option(
+        "--explore", endings=_PAGES[:2], help="A page with sliders, in place of the study's, or with -o beside it."
+    ),
     options.time_limit("Seconds for each part (20)."),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Write one page on one operating point: law, thresholds, motions, uncertainty, margins, formulas.
 
     A value may carry a standard error, as in -p mu_s=0.50+/-0.02 or -c "2.3(1)". Several --point files make a page
-    each, with their names. --name is the title of the page.
+    each, with their names. --name is the title of the page. The page of --explore computes criteria and the motion
+    in the browser, at what its sliders say.
 
     Example: stickslip study exponential -V 0.5 -c 2.3 -p mu_s=0.50+/-0.02 -o study.html --pdf study.pdf
     """
+    from stickslip_sym.comparison.explorer import explorer
     from stickslip_sym.output.browser import require_browser
     from stickslip_sym.output.drawing import require_matplotlib
+    from stickslip_sym.output.files import write_text
     from stickslip_sym.output.page.render import require_templates
 
-    require_matplotlib()
     require_templates()
-    limit, output, pdf, name = given["time_limit"], given["output"], given["pdf"], given["name"]
+    limit, name = given["time_limit"], given["name"]
+    output, pdf, explore = given["output"], given["pdf"], given["explore"]
+    if output is None and (explore is None or pdf is not None):
+        output = options.read_file(_PAGE, "--output", endings=_PAGES)
+    if output is not None:
+        require_matplotlib()
     file, measured_file = given["fit"], given["from_csv"]
     if pdf is not None:
         require_browser()
@@ -60,16 +71,25 @@ def run(given: Given) -> None:
     contents, texts = [], []
     for one in at:
         suffix = f"-{one.file.stem}" if len(at) > 1 and one.file is not None else ""
-        page, paper = (path and path.with_stem(path.stem + suffix) for path in (output, pdf))
-        found = ss.study(
-            fits or one.law, ss.Oscillator(**one.numbers), errors=one.texts, measured=measured, name=name,
-            defaults=(*one.typical, *one.defaults), time_limit=limit,
-        )  # fmt: skip
-        found.save(page)
-        written = f"{page}: {len(found.page) / 1000:.0f} kB, in {found.seconds:.1f} s"
-        if paper is not None:
-            found.print(paper)
-            written += f"\n{paper}: the same, printed"
-        contents.append({"operating_point": one, "study": found, "page": page, "pdf": paper})
-        texts.append("\n".join([f"{one}\n", *map(in_options, found.findings), written]))
+        page, paper, sliders = (path and path.with_stem(path.stem + suffix) for path in (output, pdf, explore))
+        osc, written = ss.Oscillator(**one.numbers), list[str]()
+        contents.append({"operating_point": one, "page": page, "pdf": paper})
+        if page is not None:
+            found = ss.study(
+                fits or one.law, osc, errors=one.texts, measured=measured, name=name,
+                defaults=(*one.typical, *one.defaults), time_limit=limit,
+            )  # fmt: skip
+            found.save(page)
+            written += [*map(in_options, found.findings)]
+            written.append(f"{page}: {len(found.page) / 1000:.0f} kB, in {found.seconds:.1f} s")
+            contents[-1]["study"] = found
+            if paper is not None:
+                found.print(paper)
+                written.append(f"{paper}: the same, printed")
+        if sliders is not None:
+            explored = explorer(one.law, osc, title=name or "", time_limit=limit or _SECONDS)
+            write_text(sliders, explored)
+            written.append(f"{sliders}: {len(explored) / 1000:.0f} kB, with sliders")
+            contents[-1]["explorer"] = sliders
+        texts.append("\n".join([f"{one}\n", *written]))
     echo_all(given, contents, texts)

@@ -28,6 +28,7 @@ class Language:
     nan: str = "NAN"
     infinity: str = "HUGE_VAL"
     extremes: tuple[str, str] = ("fmax", "fmin")  # of two numbers
+    choice: str = ""  # of a value by a condition, or another; empty where none is written
     comment: str = ""  # what a line of a comment begins with
     next_line: str = ",\n    "  # between numbers that stand on two lines
     next_row: str = ",\n    "  # between the rows of a table
@@ -89,6 +90,7 @@ LANGUAGES = {
         nan="NaN",
         infinity="Infinity",
         extremes=("Math.max", "Math.min"),
+        choice="({} ? {} : {})",
         comment="   ",
         never=("*/",),
     ),

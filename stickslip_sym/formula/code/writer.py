@@ -45,7 +45,7 @@ def code(criteria: Mapping[str, tuple["SlopeAverage", str]], language: str) -> s
 
 def require_shapes(law: FrictionLaw) -> None:
     """Refuse a law whose profiles have shapes without values, for their branches cannot be written as code."""
-    missing = sorted(str(symbol) for symbol in _in_shapes(law) if str(symbol) not in law.values)
+    missing = sorted(str(symbol) for symbol in shapes_of(law) if str(symbol) not in law.values)
     if missing:
         raise InputError(
             f"{', '.join(missing)} of the law {law.name or law.text} is a shape of a profile, whose branches are "
@@ -53,7 +53,8 @@ def require_shapes(law: FrictionLaw) -> None:
         )
 
 
-def _in_shapes(law: FrictionLaw) -> set[Expr]:
+def shapes_of(law: FrictionLaw) -> set[Expr]:
+    """Return the parameters whose values code holds, as the branches are made for them."""
     return {symbol for term in law.terms for meaning in term.shapes.values() for symbol in meaning.free_symbols}
 
 
@@ -119,6 +120,23 @@ class _Printer(Printer):  # type: ignore[misc]  # SymPy is untyped
         return text
 
     _print_Min = _print_Max  # noqa: N815  # as SymPy calls it
+
+    def _print_Piecewise(self, expr: Expr) -> str:
+        if not self._language.choice:
+            raise InputError(f"{str(expr)[:60]} cannot be written as code: {self._language.name} has no choices")
+        text = self._language.nan
+        for value, condition in reversed(expr.args):
+            if condition is sp.true:
+                text = self._print(value)
+            else:
+                text = self._language.choice.format(self._print(condition), self._print(value), text)
+        return text
+
+    def _print_Relational(self, expr: Expr) -> str:
+        return f"{self._print(expr.lhs)} {expr.rel_op} {self._print(expr.rhs)}"
+
+    def _print_And(self, expr: Expr) -> str:
+        return " && ".join(f"({self._print(one)})" for one in expr.args)
 
     def _in_brackets(self, expr: Expr) -> str:
         text = self._print(expr)
@@ -191,7 +209,7 @@ class _Writer:
         """Write a criterion: its terms, and the function that adds them up."""
         law, language = average.law, self.language
         require_shapes(law)
-        values, fixed = law.values, _in_shapes(law)
+        values, fixed = law.values, shapes_of(law)
         functions, settled = _settled(average)
         fixed |= settled
         free = {key: symbol for key, symbol in average.arguments.items() if symbol not in fixed}
@@ -235,8 +253,8 @@ class _Writer:
         branches = term.branches(shapes)
         if branches is None:
             raise InputError(
-                f"the term {term.term.expr} of the law {law.name or law.text} has no branches that could be "
-                "written; call the function instead"
+                f"the term {str(term.term.expr)[:60]} of the law {(law.name or law.text)[:60]} has no branches "
+                "that could be written; call the function instead"
             )
         language = self.language
         bases = [texts[symbols.V], texts[symbols.N], _number(term.size, language)]
