@@ -4,6 +4,8 @@ import inspect
 from dataclasses import replace
 
 import numpy as np
+import pytest
+import sympy as sp
 from languages import PROGRAMS, runs, values_of
 from sweeps import sweep
 
@@ -100,3 +102,23 @@ def test_a_wrong_coefficient_in_a_text_refutes_it(monkeypatch):
     assert "As written CHECKED" in average.code("c")
     monkeypatch.setattr(TermFunction, "branches", lambda *args: replace(right, branches=wrong))
     assert "As written REFUTED" in average.code("c")
+
+
+JUMPING = ["Piecewise((0.5 - 0.1*v, v < 0.3), (0.4 - 0.1*v, True))", "0.5 - 0.1*Max(v - 0.3, 0)"]
+
+
+@pytest.mark.parametrize("text", JUMPING)
+def test_an_average_that_jumps_or_begins_at_half_a_kink_is_checked(text, monkeypatch):
+    """Where a weight is not 0 at its ends, a jump of mu at 2 V joins it at once."""
+    uniform = ss.criteria.Criterion("uniform", sp.Rational(1, 2), "a test")
+    average = ss.slope_average(text, uniform)
+    written = average.code("python")
+    assert "As written CHECKED" in written
+    V = np.array([0.1, 0.15 * (1 - 1e-14), 0.15 * (1 + 1e-14), 0.2, 1.0])
+    exact = [float(ss.enclose(text, uniform, V=speed, N=1)) for speed in V]
+    assert values_of("python", written, [("damping", [V, 1.0])], None)[0] == pytest.approx(exact, abs=1e-14)
+    function = average.functions[-1]
+    right = function.branches()
+    late = tuple(start * (1 + 1e-9 * (start > 0)) for start in right.starts)
+    monkeypatch.setattr(TermFunction, "branches", lambda *args: replace(right, starts=late))
+    assert "As written REFUTED" in average.code("python")
