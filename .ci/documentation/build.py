@@ -4,8 +4,10 @@
 What is built needs no network: formulas are MathML, and the pictures are drawn here.
 """
 
+import base64
 import contextlib
 import importlib
+import json
 import re
 import shutil
 from pathlib import Path
@@ -22,7 +24,7 @@ ROOT = HERE.parents[1]
 FOLDER = ROOT / "build" / "documentation"
 DOCS = "stickslip_sym/docs"
 PAGES = {
-    "README.md": "index", f"{DOCS}/tutorial.md": "tutorial", f"{DOCS}/methods.md": "methods",
+    "README.md": "index", f"{DOCS}/notebook.ipynb": "notebook", f"{DOCS}/tutorial.md": "tutorial", f"{DOCS}/methods.md": "methods",
     f"{DOCS}/gallery.md": "gallery", "derivations/paper.md": "derivation", "derivations/README.md": "proofs",
     "paper_checks/README.md": "paper_checks", "CHANGELOG.md": "changelog", "CONTRIBUTING.md": "contributing",
 }  # fmt: skip
@@ -38,15 +40,36 @@ def displayed(match: re.Match) -> str:
     return f'<div class="formula">{formula(match[1])}{number}</div>'
 
 
+def text_of(path: str) -> str:
+    """Return a document as Markdown; of a notebook the cells with what they gave, the pictures as files."""
+    text = (ROOT / path).read_text(encoding="utf-8")
+    if not path.endswith(".ipynb"):
+        return text
+    parts, count = [], 0
+    for cell in json.loads(text)["cells"]:
+        source = "".join(cell["source"])
+        parts.append(source if cell["cell_type"] == "markdown" else f"```python\n{source}\n```")
+        for output in cell.get("outputs", ()):
+            data = output.get("data", {})
+            if "image/png" in data:
+                count += 1
+                picture = FOLDER / f"{Path(path).stem}_{count}.png"
+                picture.write_bytes(base64.b64decode(data["image/png"]))
+                parts.append(f"![{source}]({picture.as_posix()})")
+            else:
+                parts.append(f"```text\n{''.join(output.get('text') or data['text/plain'])}\n```")
+    return "\n\n".join(parts)
+
+
 def page(path: str, name: str, linked: dict[str, str]) -> pdoc.doc.Module:
     """Return a document as a module with nothing but a docstring, its links to other pages and pictures mended."""
-    text = DISPLAYED.sub(displayed, (ROOT / path).read_text(encoding="utf-8"))
+    text = DISPLAYED.sub(displayed, text_of(path))
 
     def mended(link: re.Match) -> str:
         target = (ROOT / path).parent.joinpath(link[2]).resolve()
         if target.is_dir():
             return link[1]  # it is in the repository only
-        if target.suffix in (".svg", ".png") and target.is_file():
+        if target.suffix in (".svg", ".png") and target.is_file() and target.parent != FOLDER:
             shutil.copy(target, FOLDER)
         page = PAGES.get(target.relative_to(ROOT).as_posix())
         return f"[{link[1]}]({page}.html)" if page else f"[{link[1]}]({target.name})"
@@ -93,7 +116,7 @@ def main() -> None:
     file = {name: f"{name.replace('.', '/')}.html" for name in (*shown, *PAGES.values())}
     linked = {name: file[name] for name in REFERENCE}
     linked |= {one: f"{file[name]}#{one}" for name in shown if name not in REFERENCE for one in shown[name]}
-    titles = {name: re.match(r"# (.+)", (ROOT / path).read_text("utf-8"))[1] for path, name in PAGES.items()}
+    titles = {name: re.match(r"# (.+)", text_of(path))[1] for path, name in PAGES.items()}
     pdoc.render.configure(docformat="numpy", show_source=False, template_directory=HERE)
     pdoc.render.env.globals |= {"documents": set(titles), "titles": titles | {"stickslip_sym": "Reference"}}
     modules = {name: page(path, name, linked) for path, name in PAGES.items()}

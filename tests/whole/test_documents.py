@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import json
 import os
 import re
 import shlex
@@ -11,6 +12,7 @@ import tomllib
 from collections import Counter
 from pathlib import Path
 
+import notebooks
 import pytest
 from commands import inside
 
@@ -125,6 +127,24 @@ def test_gallery_draws_its_pictures(tmp_path, monkeypatch):
         assert printed(code, names) == stated(code) == []
     drawn = {path.name for path in tmp_path.iterdir() if path.stat().st_size > 5000}
     assert drawn == set(re.findall(r"\((\w+\.svg)\)", DOCUMENTS[GALLERY]))
+
+
+def test_the_notebook_gives_what_it_keeps(monkeypatch):
+    """Its pictures are figures, and its text is the same; in the folder of its data."""
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(ROOT / DOCS)
+    notebook, names = json.loads(Path("notebook.ipynb").read_text(encoding="utf-8")), {}
+    cells = notebooks.code_cells(notebook)
+    for cell in cells:
+        kept = cell["outputs"]
+        now = notebooks.outputs(*notebooks.run("".join(cell["source"]), names), cell["execution_count"])
+        assert notebooks.text_of(now) == notebooks.text_of(kept)
+        assert [*map(has_picture, now)] == [*map(has_picture, kept)]
+    assert sum(has_picture(output) for cell in cells for output in cell["outputs"]) == 3
+
+
+def has_picture(output):
+    return "image/png" in output.get("data", {})
 
 
 def test_the_claim_table_says_what_is_on_record():
