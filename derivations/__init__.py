@@ -31,7 +31,8 @@ CHAPTERS = {
 CERTIFICATES = [(law, name) for law in ("exponential", "polynomial") for name in ("least_squares", "harmonic")]
 """The closed forms (17), (18), and those of the harmonic criterion, whose proofs are scripts in `certificates`.
 
-``stickslip export exponential --criterion harmonic --certificate exponential_harmonic.py`` writes one.
+``stickslip export exponential --criterion harmonic --certificate exponential_harmonic.py`` writes one. The
+linearisation (15) for any law has another: ``python -m derivations least_squares --certificate`` prints it.
 """
 
 

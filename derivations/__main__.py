@@ -1,10 +1,11 @@
-"""Run the derivations: ``python -m derivations [NAME] [--latex]``."""
+"""Run the derivations: ``python -m derivations [NAME] [--latex | --certificate]``."""
 
 import argparse
 import sys
 
 from derivations import CHAPTERS, chapter
-from stickslip_sym import Status
+from stickslip_sym import InputError, Status
+from stickslip_sym.formula.derivation_script import certificate
 
 
 def main() -> int:
@@ -12,13 +13,20 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m derivations", description="Prove the paper's mathematics.")
     parser.add_argument("name", nargs="?", choices=CHAPTERS, help="a chapter; all are listed if none is given")
     parser.add_argument("--latex", action="store_true", help="print the steps as LaTeX")
+    parser.add_argument("--certificate", action="store_true", help="print a proof that needs nothing but SymPy")
     options = parser.parse_args()
     if options.name is not None:
         derivation = chapter(options.name)({})
+        if options.certificate:
+            try:
+                print(certificate(derivation), end="")
+            except InputError as failure:
+                parser.error(str(failure))
+            return 0
         print(derivation.latex() if options.latex else derivation.text())
         return 0 if derivation.status is Status.PROVED else 1
-    if options.latex:
-        parser.error("--latex needs the name of a chapter")
+    if options.latex or options.certificate:
+        parser.error("--latex and --certificate need the name of a chapter")
     proved = True
     for name in CHAPTERS:
         derivation = chapter(name)({})

@@ -12,7 +12,7 @@ import sympy as sp
 from derivations import paper
 from stickslip_sym.core.symbols import N, V, a, b, c, mu, u
 from stickslip_sym.formula.derivation import Derivation
-from stickslip_sym.formula.proof.theorems import ChangeOfVariable
+from stickslip_sym.formula.proof.theorems import ChangeOfVariable, LinearSolution
 
 
 def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
@@ -50,16 +50,16 @@ def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
         label="(14) b",
         shown=sp.Derivative(S, b),
     )
-    ((best_a, best_b),) = sp.linsolve([by_a, by_b], [a, b])
+    solution = LinearSolution([by_a, by_b], [a, b])
     fit_a = d.equal(
         "solve both equations for a",
         "they are linear in a and b",
-        best_a,
+        a,
         printed["(15) a"],
         label="(15) a",
-        shown=a,
+        by=solution,
     )
-    d.equal("and for b", "likewise", best_b, printed["(15) b"], label="(15) b", shown=b)
+    d.equal("and for b", "likewise", b, printed["(15) b"], label="(15) b", by=solution)
 
     hessian = sp.hessian(sp.expand((mu(u) + a * u - b) ** 2 * weight), (a, b)).applyfunc(
         lambda entry: sp.integrate(sp.expand(entry), (u, 0, 2 * V))

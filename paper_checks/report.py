@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import derivations
 from paper_checks.claims import CLAIMS, Claim, Outcome
 from paper_checks.computed import LAWS, law, oscillator
 from paper_checks.figures import FIGURES
 from paper_checks.findings import SHORT, Finding, summary
 from paper_checks.formulas import EQUATIONS
+from paper_checks.proved import theorem
 from stickslip_sym.comparison.compare import Row
 from stickslip_sym.comparison.tradeoff import SPEEDS, tradeoff
 from stickslip_sym.output.drawing import svg_uri
@@ -21,6 +23,9 @@ from stickslip_sym.output.tables import duration
 _POINT = {name: getattr(oscillator(), name) for name in "VNmk"}
 _FORMAT = 3
 _TITLE = "Stick–slip vibration of an oscillator with damping, checked by machine"
+_PROOFS = Path(derivations.__file__).with_name("certificates")
+_CERTIFIED = {"(15)": "least_squares", "(16)": "least_squares", "(17)": "exponential_least_squares",
+              "(18)": "polynomial_least_squares"}  # fmt: skip
 _SIGNS = {Outcome.REPRODUCED: "✓", Outcome.QUALIFIED: "◐", Outcome.NOT_REPRODUCED: "✗"}
 
 
@@ -48,11 +53,20 @@ def write(folder: Path, findings: Sequence[Finding]) -> Path:
         versions(),
         now(),
     )
+    (folder / "certificates").mkdir(exist_ok=True)
+    for name, text in certificates().items():
+        (folder / name).write_text(text, encoding="utf-8")
     content = json.dumps(as_json(report), indent=1, ensure_ascii=False, allow_nan=False)
     (folder / "claims.json").write_text(content + "\n", encoding="utf-8")
     target = folder / "report.html"
     target.write_text(page(report), encoding="utf-8")
     return target
+
+
+def certificates() -> dict[str, str]:
+    """Return scripts that prove equations and thresholds without this package, by the files that hold them."""
+    scripts = {f"certificates/{path.name}": path.read_text(encoding="utf-8") for path in _PROOFS.glob("*.py")}
+    return scripts | {f"certificates/{name}_threshold.py": theorem(name).certificate() for name in LAWS}
 
 
 def page(report: Report) -> str:
@@ -66,7 +80,7 @@ def page(report: Report) -> str:
         columns=("", "claim", "paper", "ours", "difference", "verdict"),
         groups={"E": "Equations", "N": "Numbers", "F": "Figures", "S": "Statements"},
         signs=_SIGNS, short=SHORT, css=lambda outcome: SHORT[outcome].replace(" ", "-"),
-        sentence=_sentence, duration=duration,
+        certified=_CERTIFIED, sentence=_sentence, duration=duration,
     )  # fmt: skip
 
 

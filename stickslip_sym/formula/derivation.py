@@ -37,6 +37,8 @@ class Step:
         The number of the equation in its source, like "(16)", or empty.
     by : By, optional
         The theorem by which it was proved, with all that checking it takes.
+    lhs : sympy.Expr, optional
+        What was proved equal to the right side, where `statement` gives it a name.
     """
 
     reported = ("operation", "reason", "statement", "verdict", "label")
@@ -47,6 +49,7 @@ class Step:
     verdict: Verdict
     label: str = ""
     by: By | None = None
+    lhs: Expr | None = None
 
     def __repr__(self) -> str:
         label = f" {self.label}" if self.label else ""
@@ -89,7 +92,7 @@ class Derivation:
         `shown` is what the equation is printed as, when the left side has a name.
         """
         statement = sp.Eq(lhs if shown is None else shown, rhs, evaluate=False)
-        self.steps.append(Step(operation, reason, statement, prove_equal(lhs, rhs, by), label))
+        self.steps.append(Step(operation, reason, statement, prove_equal(lhs, rhs, by), label, by, lhs))
         return rhs
 
     def positive(self, operation: str, reason: str, expr: Expr, *, label: str = "") -> None:

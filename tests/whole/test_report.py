@@ -19,7 +19,7 @@ from paper_checks import wording
 from paper_checks.claims import CLAIMS, Outcome
 from paper_checks.figures import FIGURES
 from paper_checks.findings import Finding
-from paper_checks.report import Report, as_json
+from paper_checks.report import Report, as_json, certificates
 from paper_checks.report import page as page_of
 from paper_checks.terminal import verdicts
 from stickslip_sym import Status
@@ -86,6 +86,9 @@ def test_the_page_and_the_numbers_of_a_report():
     report = Report(findings, pictures, {"exponential": tuple(rows)}, versions(), "now")
     check_json(json.loads(json.dumps(as_json(report), allow_nan=False)))
     page = page_of(report)
+    linked = set(re.findall(r'href="(certificates/[^"]*)"', page))
+    assert {"certificates/least_squares.py", "certificates/exponential_threshold.py"} < linked
+    assert all("proved: " in certificates()[name] for name in linked)
     check_well_formed(page)
     check_complete(page)
     assert "not measured" in page

@@ -54,6 +54,21 @@ class ChangeOfVariable:
 
 
 @dataclass(frozen=True)
+class LinearSolution:
+    """Evaluate unknowns by equations that are linear in them: expressions that are 0 for one choice only."""
+
+    equations: Sequence[Expr]
+    unknowns: Sequence[Expr]
+
+    def __call__(self, expr: Expr) -> Expr:
+        """Put the solution into an expression."""
+        (values,) = sp.linsolve(self.equations, self.unknowns)
+        if any(value.has(*self.unknowns) for value in values):
+            raise ValueError(f"the equations leave {', '.join(map(str, self.unknowns))} open")
+        return expr.subs(dict(zip(self.unknowns, values, strict=True)), simultaneous=True)
+
+
+@dataclass(frozen=True)
 class PieceByPiece:
     """Evaluate every integral over `variable` by a primitive of each piece of its integrand.
 

@@ -1,0 +1,89 @@
+"""Derivations as scripts in plain SymPy: each step with its words, its two sides, and the theorem that it takes.
+
+What is printed is what was proved: the sides of each step, and the data of its theorem.
+"""
+
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from textwrap import fill
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.status import Status
+from stickslip_sym.formula.derivation import Derivation, Step
+from stickslip_sym.formula.proof.theorems import ChangeOfVariable, LinearSolution
+from stickslip_sym.output.python_printer import WIDTH, assignment, code, imports, line
+from stickslip_sym.output.script import SafeNames
+
+_PAGE = Path(__file__).with_suffix(".txt")
+
+
+def certificate(derivation: Derivation) -> str:
+    """Return a script that proves the steps of a derivation one after another, and needs SymPy only.
+
+    Raises `InputError` for a derivation that is not proved, or takes a theorem that a script has no rule for.
+    """
+    if derivation.status is not Status.PROVED:
+        raise InputError(
+            f"{derivation.title} is {derivation.status.value}, and a certificate is for what is PROVED; its steps "
+            "say what is open: print(derivation.text())"
+        )
+    for number, step in enumerate(derivation.steps, 1):
+        if step.by is not None and not isinstance(step.by, ChangeOfVariable | LinearSolution):
+            raise InputError(f"a certificate has no rule for {type(step.by).__name__}, which step {number} takes")
+    sides = [side for step in derivation.steps for side in (_left(step), step.statement.rhs)]
+    functions = sorted({node.func for side in sides for node in side.atoms(AppliedUndef)}, key=str)
+    page = _PAGE.read_text(encoding="utf-8").strip()
+    safe = SafeNames(" ".join(["sp left right split vanishes solution", *map(str, functions)]))
+    images = [step.by.image for step in derivation.steps if isinstance(step.by, ChangeOfVariable)]
+    symbols = sorted(set().union(*(side.atoms(sp.Symbol) for side in [*sides, *images])), key=str)
+    names = {x: safe.new(x.name) for x in symbols}
+    body = f"{page}\n\n\n" + "\n".join(_lines(derivation, functions, names))
+    title = fill(f"A proof, step by step: {derivation.title}.", WIDTH - 10)
+    words = "Nothing but SymPy is needed. An AssertionError names the step that fails."
+    return f'"""{title}\n\n{words}\n"""\n\n{imports(body).lstrip()}\n\n{body}\n'
+
+
+def _left(step: Step) -> Expr:
+    return step.statement.lhs if step.lhs is None else step.lhs
+
+
+def _lines(derivation: Derivation, functions: Sequence[Expr], names: dict[Expr, str]) -> Iterator[str]:
+    kinds: dict[str, list[str]] = {}
+    for x, name in names.items():
+        kind = next((kind for kind in ("positive", "nonnegative", "real") if getattr(x, f"is_{kind}")), "complex")
+        kinds.setdefault(kind, []).append(name)
+    for kind, group in kinds.items():
+        maker = "sp.symbols" if len(group) > 1 else "Symbol"
+        yield f'{", ".join(group)} = {maker}("{" ".join(group)}", {kind}=True)'
+    for function in functions:
+        yield f'{function} = sp.Function("{function}", real=True)  # any function'
+    solved = None
+    for number, step in enumerate(derivation.steps, 1):
+        yield ""
+        yield from (
+            f"# {text}" for text in fill(f"{number}. {step.operation}: {step.reason}", WIDTH - 2).split("\n")
+        )
+        message = json.dumps(" ".join([f"step {number}", *([step.label] if step.label else [])]))
+        yield assignment("left", code(_left(step), names))
+        if isinstance(step.statement, sp.Gt):
+            yield f"assert sp.factor(left).is_positive, {message}"
+            continue
+        if isinstance(step.by, ChangeOfVariable):
+            old, new, image = (code(part, names) for part in (step.by.old, step.by.new, step.by.image))
+            yield f"left = left.transform({old}, ({image}, {new}))  # {old} = {image}"
+        elif isinstance(step.by, LinearSolution):
+            unknowns = ", ".join(names[x] for x in step.by.unknowns)
+            if step.by is not solved:
+                equations = ", ".join(code(equation, names) for equation in step.by.equations)
+                yield line(f"(solution,) = sp.linsolve([{equations}], [{unknowns}])")
+            solved = step.by
+            yield f"left = left.subs(dict(zip([{unknowns}], solution, strict=True)), simultaneous=True)"
+        yield assignment("right", code(step.statement.rhs, names))
+        yield f"assert vanishes(left - right), {message}"
+    yield ""
+    yield line(f"print({json.dumps(f'proved: {derivation.title}')})")
