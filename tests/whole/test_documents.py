@@ -26,8 +26,8 @@ GALLERY = f"{DOCS}/gallery.md"
 DOCUMENTS = {
     name: (ROOT / name).read_text(encoding="utf-8")
     for name in (
-        "README.md", "CONTRIBUTING.md", f"{DOCS}/tutorial.md", f"{DOCS}/methods.md", GALLERY,
-        "derivations/README.md", DERIVATION, "paper_checks/README.md",
+        "README.md", "CONTRIBUTING.md", f"{DOCS}/tutorial.md", f"{DOCS}/instruments.md", f"{DOCS}/methods.md",
+        GALLERY,        "derivations/README.md", DERIVATION, "paper_checks/README.md",
     )
 }  # fmt: skip
 TIME = re.compile(r"\b[\d.]+ (ns|us|ms|s)\b")
@@ -63,7 +63,9 @@ def stated(code):
 
 
 @pytest.mark.parametrize(("name", "code"), blocks("python", sorted({*DOCUMENTS} - {DERIVATION, GALLERY})))
-def test_python_blocks_print_what_they_say(name, code):
+def test_python_blocks_print_what_they_say(name, code, tmp_path, monkeypatch):
+    """Away from the repository, for a block may write files."""
+    monkeypatch.chdir(tmp_path)
     assert printed(code, {}) == stated(code)
 
 
@@ -85,7 +87,6 @@ SESSIONS = [
 
 @pytest.mark.parametrize(("name", "command", "output"), SESSIONS)
 def test_console_blocks_print_what_they_say(name, command, output, tmp_path):
-    """Away from the repository, for a command may write files."""
     program, *arguments = shlex.split(command)
     assert program in ("stickslip", "python")
     if program == "stickslip":
@@ -100,7 +101,7 @@ def test_console_blocks_print_what_they_say(name, command, output, tmp_path):
 
 
 def test_documents_have_what_the_tests_run():
-    shown = {"README.md", "CONTRIBUTING.md", f"{DOCS}/tutorial.md", DERIVATION}
+    shown = {"README.md", "CONTRIBUTING.md", f"{DOCS}/tutorial.md", f"{DOCS}/instruments.md", DERIVATION}
     assert {name for name, _ in blocks("python")} >= shown
     assert {name for name, _ in blocks("console")} == {"README.md", f"{DOCS}/methods.md", "derivations/README.md"}
     setups = [line for _, text in blocks("sh", ["README.md"]) for line in text.splitlines()]
