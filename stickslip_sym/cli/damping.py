@@ -1,22 +1,32 @@
 """``stickslip damping``: the threshold to a tolerance, or by every method."""
 
+from __future__ import annotations
+
 from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.options import Given, file_option, option
 from stickslip_sym.cli.output import Json, echo_all, in_options
-from stickslip_sym.cli.reading import points
+from stickslip_sym.cli.reading import Point, points
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.uncertain import split
 from stickslip_sym.output.files import write_text
 
 _RTOL = 1e-10  # asked of every method that can be made more accurate, with --all
+
+
+if TYPE_CHECKING:
+    from stickslip_sym.motion.thresholds.threshold import Threshold
 
 
 @options.command(
     options.AT, options.METHOD,
     file_option("--certificate", help="A script that proves the threshold without this package (--method proof)."),
     option("--all", is_flag=True, help="Compare every method."),
+    options.plot_option("Draw thresholds over the belt speed, and that of the one point"),
     options.time_limit("Seconds of computation, for each method."),
 )  # fmt: skip
 def run(given: Given) -> None:
@@ -33,14 +43,17 @@ def run(given: Given) -> None:
         raise InputError(
             f"a certificate is the script of a theorem: add --method proof, or leave out --certificate {script}"
         )
-    found, texts, certificates = list[Json](), [], []
-    for at in points(given, without=("c",)):
+    found, texts, certificates, at_all = list[Json](), [], [], points(given, without=("c",))
+    plot = given["plot"] if len(at_all) == 1 else None
+    for at in at_all:
         given.all_used()
         if method is None:
             compared = ss.compare(at.law, None, rtol=min(rtol, _RTOL), time_limit=limit, **at.texts)
             rows = tuple(replace(row, reason=in_options(row.reason)) for row in compared)
             found.append({"operating_point": at, "rows": rows})
             texts.append(f"{at}\n\n{replace(compared, rows=rows)}")
+            if plot is not None:
+                _draw(plot, at, next(row.threshold for row in reversed(rows) if row.threshold is not None))
             continue
         threshold = ss.pure_slip_damping(at.law, **at.texts, method=method, rtol=rtol, time_limit=limit)
         _ = threshold.uncertainty  # warns where the first order is not enough
@@ -48,7 +61,18 @@ def run(given: Given) -> None:
         found.append({"operating_point": at, "threshold": threshold})
         if script is not None:
             certificates += [theorem.certificate() for theorem in threshold.theorems]
+        if plot is not None:
+            _draw(plot, at, threshold)
         texts.append("\n\n".join(map(str, filter(None, (at, text, threshold.budget, threshold.theorem)))))
     if script is not None:
         write_text(script, "\n\n".join(certificates))
     echo_all(given, found, texts)
+
+
+def _draw(path: Path, at: Point, threshold: Threshold) -> None:
+    from stickslip_sym.comparison.plane import figure_of
+    from stickslip_sym.output.drawing import save
+
+    numbers = {name: split(text, name) for name, text in at.texts.items()}
+    point = {name: at.numbers[name] if error is None else error for name, (_, error) in numbers.items()}
+    save(figure_of(at.law, point, threshold), path)

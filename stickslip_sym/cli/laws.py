@@ -1,17 +1,27 @@
 """``stickslip laws``: the catalogue, or one law of it."""
 
+from __future__ import annotations
+
+from pathlib import Path
+
 import click
 
 import stickslip_sym as ss
 from stickslip_sym.cli.derive import derived
-from stickslip_sym.cli.options import LAW_NAMES, Given, command
+from stickslip_sym.cli.options import LAW_NAMES, Given, command, plot_option
 from stickslip_sym.cli.output import echo_json
 from stickslip_sym.cli.reading import criteria_of
 from stickslip_sym.core.errors import NoClosedForm
+from stickslip_sym.model.operating_point import PAPER
 from stickslip_sym.output.tables import table
 
+_SIZE = 5.5, 3.6  # inches
 
-@command(click.Argument(["law"], required=False, **LAW_NAMES))
+
+@command(
+    click.Argument(["law"], required=False, **LAW_NAMES),
+    plot_option("Draw the law with its typical values, up to twice the default belt speed"),
+)
 def run(given: Given) -> None:
     """List the friction laws of the catalogue, or all that is known of one.
 
@@ -19,9 +29,12 @@ def run(given: Given) -> None:
     """
     from stickslip_sym.output.abbreviation import formula
 
-    name = given["law"]
+    name, plot = given["law"], None if given["law"] is None else given["plot"]
+    given.all_used()
     laws = list(ss.laws.values()) if name is None else [ss.laws.find(name)]
     forms = {} if name is None else {one.name: derived(laws[0], one) for one in criteria_of("all")}
+    if plot is not None:
+        _draw(plot, laws[0])
     if given["json"]:
         echo_json("laws", laws=laws, **({"criteria": forms} if forms else {}))
     elif name is None:
@@ -46,3 +59,13 @@ def _typical(law: ss.FrictionLaw) -> str:
         f"{p.name} = {p.typical}{'' if p.unit in (None, '1') else f' {p.unit}'}" if p.typical else p.name
         for p in law.parameters.values()
     )
+
+
+def _draw(path: Path, law: ss.FrictionLaw) -> None:
+    from stickslip_sym.model.fitting.result import draw_law
+    from stickslip_sym.output.drawing import new_figure, save, styled
+
+    with styled():
+        figure, axes = new_figure(*_SIZE)
+        draw_law(axes[0, 0], law.typical(), 2 * float(PAPER["V"]), None, None, law.name or law.text)
+    save(figure, path)

@@ -10,16 +10,16 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, Literal, TypeAlias, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 import sympy as sp
 
 from stickslip_sym.comparison.compare import Row, compare
+from stickslip_sym.comparison.plane import ABOVE, BAND, Plane, draw_plane, plane
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.deadline import time_limit as limited
-from stickslip_sym.core.errors import InputWarning, NotConverged, NoThreshold, StickSlipError
+from stickslip_sym.core.errors import InputWarning, StickSlipError
 from stickslip_sym.core.numbers import require_type
 from stickslip_sym.core.symbols import QUANTITIES
 from stickslip_sym.core.uncertain import UFloat
@@ -41,7 +41,7 @@ from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_dampi
 from stickslip_sym.motion.thresholds.uncertainty import Budget
 from stickslip_sym.output import markup, printing
 from stickslip_sym.output.browser import print_to_pdf
-from stickslip_sym.output.drawing import BLUE, GREEN, ORANGE, finish, new_figure, styled, svg_uri
+from stickslip_sym.output.drawing import finish, new_figure, styled, svg_uri
 from stickslip_sym.output.files import write_text
 from stickslip_sym.output.markup import Markup, element
 from stickslip_sym.output.page.render import equation, now, render, with_error
@@ -67,19 +67,9 @@ _LONGEST_NAME = 80  # characters of a heading
 _DIGITS = 10  # of a value, at most
 
 Look = dict[str, Any]
-Plane: TypeAlias = dict[str, FloatArray]
-"""Belt speeds V, slope averages, exact thresholds in kg/s and their standard errors there; NaN where none is."""
 _SIZE = 4.6, 3.1  # inches: two beside each other on a screen and on paper
-_BAND = 1.96  # standard errors, 95 % of a normal distribution
-_POINTS = 33  # of a curve over belt speed
-_REACHED = 2.0  # times the belt speed
-_DRAWN = 1e-4  # relative error of that curve, below the width of a line
 _MANY = 2000  # points of the motion over time
-_HEIGHT, _BELOW = 1.35, 0.06  # of the plane, over the highest damping on it, and below 0 and the lowest
 _GROWN = 10.0  # belt speeds up to which a motion is shown in the phase plane
-_ABOVE: Look = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": 2, "fontsize": 7.5}
-"""Of a legend above its picture."""
-_AVERAGES = {"equilibrium": (ORANGE, "--"), "least_squares": ("black", ":"), "harmonic": ("0.35", "-.")}
 Part = TypeVar("Part")
 
 
@@ -527,23 +517,6 @@ def _form(law: FrictionLaw, criterion: str, seconds: float) -> ClosedForm | str:
 # -- pictures: they hold no text of the user's; the name of the law stands on the page ----------------
 
 
-def plane(law: FrictionLaw, given: Mapping[str, float | UFloat], speed: float) -> Plane:
-    """Return the thresholds, for given N, m and k, up to twice a belt speed, or as far as mu was measured."""
-    top = _REACHED * speed if law.v_max is None else min(_REACHED * speed, float(law.v_max) / 2)
-    V = np.linspace(top / _POINTS, top, _POINTS)
-    averages = {name: pure_slip_damping(law, V=V, N=given["N"], method=name).value for name in _AVERAGES}
-
-    def exact(V: FloatArray) -> FloatArray:
-        try:
-            found = pure_slip_damping(law, V=V, N=given["N"], m=given["m"], k=given["k"], rtol=_DRAWN)
-        except (NotConverged, NoThreshold):
-            return np.full((2, 1), np.nan) if len(V) == 1 else np.hstack([exact(one) for one in V[:, None]])
-        spread = 0.0 if found.budget is None else found.budget.uncertainty
-        return np.array([found.value, np.broadcast_to(spread, V.shape)])
-
-    return {"V": V, **averages, **dict(zip(("exact", "standard error"), exact(V), strict=True))}
-
-
 def pictures(study: Study) -> Iterator[tuple[str, str]]:
     """Yield name and data URI of each figure whose part could be computed; its words are in the template."""
     figures: dict[str, tuple[Callable[[Any, Study, Any], None], Any]] = {
@@ -572,35 +545,8 @@ def _law(ax: Any, study: Study, law: FrictionLaw) -> None:
 
 
 def _plane(ax: Any, study: Study, found: Plane) -> None:
-    osc = study.oscillator
-    V, rest, exact = (found[name] for name in ("V", "equilibrium", "exact"))
-    # Opaque: an SVG gives a hatch the opacity of its face.
-    both: Look = {"facecolor": "#fcf0e8", "edgecolor": ORANGE, "hatch": "////", "linewidth": 0}
-    slips: Look = {"facecolor": "#e8f6f1", "edgecolor": GREEN, "hatch": r"\\\\..", "linewidth": 0}
-    for lower, upper, style, label in (
-        (rest, exact, both, "rest or stick-slip, by the initial condition"),
-        (exact, rest, slips, "limit cycle in pure slip"),
-    ):
-        if (where := upper > lower).any():  # where neither is NaN
-            ax.fill_between(V, lower, upper, where=where, label=label, **style)
-    if np.nanmax(found["standard error"], initial=0.0) > 0:
-        half = _BAND * found["standard error"]
-        shade: Look = {"color": "#56B4E9", "alpha": 0.45, "linewidth": 0}
-        ax.fill_between(V, exact - half, exact + half, label="95 % band", **shade)
-    ax.plot(V, exact, color=BLUE, linewidth=2, label="threshold")
-    for name, (color, dashes) in _AVERAGES.items():
-        ax.plot(V, found[name], color=color, linestyle=dashes, label=name.replace("_", " "))
-    spread = {name: _BAND * (study.standard_error(name) or 0.0) for name in "Vc"}
-    ax.errorbar(
-        [osc.V], [osc.c], [spread["c"]], [spread["V"]], fmt="o", color="black", markersize=6,
-        markerfacecolor="white", markeredgewidth=1.5, zorder=5, label="operating point",
-    )  # fmt: skip
-    ax.legend(**_ABOVE)  # not beside the operating point, whose marker looks like a second one there
-    finish(ax, xlabel="belt speed $V$ (m/s)", ylabel="damping $c$ (kg/s)", xlim=(0, V[-1]))
-    near = np.concatenate([exact, rest])[np.tile(V >= osc.V / 3, 2)]
-    highest = max(near[np.isfinite(near)].max(initial=0.0), osc.c, 1e-9)
-    lowest = min(0.0, osc.c - spread["c"])
-    ax.set_ylim(lowest - _BELOW * (highest - lowest), _HEIGHT * highest)
+    spread = {name: BAND * (study.standard_error(name) or 0.0) for name in "Vc"}
+    draw_plane(ax, found, study.oscillator, spread)
 
 
 def _time(ax: Any, study: Study, motion: Trajectory) -> None:
@@ -622,4 +568,4 @@ def _phase_plane(ax: Any, study: Study, found: Regime) -> None:
         line = {"color": "0.7", "linewidth": 0.7, "zorder": 0, "label": "motion over time"}
         handles += ax.plot(state.x[shown], state.v[shown], **line)
     finish(ax)
-    ax.legend(handles=handles, **_ABOVE)
+    ax.legend(handles=handles, **ABOVE)

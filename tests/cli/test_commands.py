@@ -236,3 +236,21 @@ def test_code_needs_the_values_of_shapes(run, tmp_path, monkeypatch):
     text = (tmp_path / "a.c").read_text(encoding="utf-8")
     assert "ClosedForm: linear, least_squares, PROVED" in text
     assert "stribeck" not in text
+
+
+def test_pictures_of_thresholds_and_of_a_law(run, tmp_path):
+    """All methods over the belt speed, with the point where it was computed; a law with its typical values."""
+    errors = ["-V", "0.50(2)", "-p", "mu_s=0.50+/-0.02"]
+    code, _, err = run("damping", "exponential", *errors, "--plot", "plane.svg")
+    assert (code, err) == (0, "")
+    text = (tmp_path / "plane.svg").read_text(encoding="utf-8")
+    for words in ("equilibrium", "least squares", "harmonic", "second order", "threshold", "95 % band", "0.5 m/s"):
+        assert words in text, words
+    assert "rest or stick-slip, by the initial condition" in text
+    code, _, err = run("damping", "0.5 - 0.2*Min(v, 0.4)", "-V", "0.5", "--all", "--plot", "kink.svg")
+    assert (code, err) == (0, "")
+    assert "second order" not in (tmp_path / "kink.svg").read_text(encoding="utf-8")
+    code, _, err = run("laws", "linear", "--plot", "law.svg")
+    assert (code, err) == (0, "")
+    assert "linear" in (tmp_path / "law.svg").read_text(encoding="utf-8")
+    assert "--plot does nothing here" in run("laws", "--plot", "all.svg")[2]
