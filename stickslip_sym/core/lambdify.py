@@ -1,7 +1,7 @@
 """SymPy expressions to Python functions.
 
-The one place that calls `lambdify`. It generates source text, so only symbols that were checked
-(`friction`) reach it, and even those are replaced by dummy names.
+The one place that calls `lambdify`. It generates source text, so only symbols whose names were checked
+(`model.expression.parameters`) reach it, and even those are replaced by dummy names.
 """
 
 from collections.abc import Callable, Sequence

@@ -27,6 +27,10 @@ _WIDE = {
     r"\tanh": 21.1, r"\coth": 20.6, r"\arctan": 29.5, r"\exp": 17.0, r"\to": 15.6, r"\sim": 13.4, r"\approx": 13.4,
     r"\bigl": 0.8, r"\bigr": 0.8, r"\biggl": 2.2, r"\biggr": 2.2, r"\left": 1.6, r"\right": 1.6,
 }  # fmt: skip
+"""Points, from the metrics of the fonts cmmi10, cmr10, cmsy10 and cmex10, with some tenths for slants.
+
+They include the space that TeX sets around an operator (2.2 on each side) or a relation (2.8), or behind a
+function's name (1.7)."""
 _WITH_ARGUMENTS: dict[str, tuple[int, Callable[..., float]]] = {
     r"\frac": (2, lambda top, below: max(top, below) + 3.0), r"\sqrt": (1, lambda inner: inner + 9.0),
     r"\operatorname": (1, lambda inner: inner + 3.4),

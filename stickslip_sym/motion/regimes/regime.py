@@ -377,6 +377,26 @@ class Regime(drawing.Drawn):
 
     # -- what is said of it ------------------------------------------------------------------------
 
+    @cached_property
+    def _periodic(self) -> list[tuple[str, FloatArray, FloatArray]]:
+        """The periodic motions as curves of the phase plane: a name, x in m and v in m/s for each."""
+        law, osc = self.law, self.oscillator
+        cycle = self.stick_slip
+        begins = [] if cycle is None else [("stick-slip", osc.onset(law), osc.V, cycle.period)]
+        for orbit in self.cycles:
+            # Where v is highest the forces are in balance; slower than the belt or faster, friction has its sign.
+            slip = osc.V - orbit.amplitude
+            force = osc.N * float(law.mu(abs(slip))) * (1 if slip >= 0 else -1)
+            name = "pure-slip cycle" if orbit.stable else "pure-slip cycle, unstable"
+            begins.append((name, (force - osc.c * orbit.amplitude) / osc.k, orbit.amplitude, orbit.period))
+        curves = list[tuple[str, FloatArray, FloatArray]]()
+        for name, x0, v0, period in begins:
+            motion = simulate(law, osc, t_end=period, x0=x0, v0=v0, rtol=_RTOL, time_limit=_SECONDS)
+            deadline.check_time()  # one that was cut short is not kept
+            state = motion.at(drawing.dense(np.unique(motion.t)))
+            curves.append((name, state.x, state.v))
+        return curves
+
     @property
     def attractors(self) -> tuple[Attractor, ...]:
         """The motions that attract others, from inside out."""
@@ -410,26 +430,15 @@ class Regime(drawing.Drawn):
 
     def draw(self, ax: "Axes") -> "list[Artist]":
         """Draw the phase plane, and return the handles of its legend: one of several curves of a kind."""
-        law, osc = self.law, self.oscillator
-        cycle = self.stick_slip
-        periodic = [] if cycle is None else [("stick-slip", osc.onset(law), osc.V, cycle.period)]
-        for one in self.cycles:
-            # Where v is highest the forces are in balance; slower than the belt or faster, friction has its sign.
-            slip = osc.V - one.amplitude
-            force = osc.N * float(law.mu(abs(slip))) * (1 if slip >= 0 else -1)
-            name = "pure-slip cycle" if one.stable else "pure-slip cycle, unstable"
-            periodic.append((name, (force - osc.c * one.amplitude) / osc.k, one.amplitude, one.period))
-        for name, x0, v0, period in periodic:
-            motion = simulate(law, osc, t_end=period, x0=x0, v0=v0, rtol=_RTOL, time_limit=_SECONDS)
-            state = motion.at(drawing.dense(np.unique(motion.t)))
-            ax.plot(state.x, state.v, label=name, **_LOOKS[name])
+        for name, x, v in self._periodic:
+            ax.plot(x, v, label=name, **_LOOKS[name])
         *_, graze, belt = _LOOKS
         for curve in self.separatrices:
             if curve.kind == "graze":  # any other is drawn as the cycle that it is
                 ax.plot(curve.x, curve.v, label=graze, **_LOOKS[graze])
         face, name = ("black", "rest") if self.rest.stable else ("white", "rest, unstable")
         ax.plot([self.rest.x], [0.0], "o", color="black", markerfacecolor=face, label=name)
-        ax.axhline(osc.V, label=belt, **_LOOKS[belt])
+        ax.axhline(self.oscillator.V, label=belt, **_LOOKS[belt])
         ax.set(xlabel="displacement $x$ (m)", ylabel="velocity $\\dot x$ (m/s)")
         ax.locator_params(axis="x", nbins=6)
         ax.grid(alpha=0.25)
@@ -471,7 +480,7 @@ def regime(
     found = kept_regime(as_law(law), as_oscillator(osc), read_rtol(rtol))
     with deadline.time_limit(time_limit):
         deadline.check_time()  # what is kept from earlier calls may need no look at the time
-        for name in ("attractors", "separatrices", "basins"):
+        for name in ("attractors", "separatrices", "basins", "_periodic"):
             getattr(found, name)
     return found
 

@@ -178,7 +178,8 @@ class Trajectory:
         # A round goes from one extreme of x to the next but one.
         if self.outcome in _DECIDED:
             return _DECIDED[self.outcome]
-        since = self._turns[-3] if len(self._turns) > 2 else -np.inf
+        turns, _ = self._turns
+        since = turns[-3] if len(turns) > 2 else -np.inf
         lately = {stretch.phase for stretch in self.stretches if stretch.end > since}
         kinds = [event.kind for event in self.events]
         if lately == {Phase.STICK} and EventKind.SLIPS not in kinds:
@@ -198,30 +199,40 @@ class Trajectory:
     @cached_property
     def change(self) -> float | None:
         """The relative change of the swing of x in the last round, where the mass only slips; else None."""
-        if self.outcome in _DECIDED or len(self._turns) < 4 or self._is_still:
+        turns, _ = self._turns
+        if self.outcome in _DECIDED or len(turns) < 4 or self._is_still:
             return None
-        if any(stretch.phase is Phase.STICK and stretch.end > self._turns[-3] for stretch in self.stretches):
+        if any(stretch.phase is Phase.STICK and stretch.end > turns[-3] for stretch in self.stretches):
             return None
         before, _, now = self._swings
         return float(now / before - 1)
 
     @cached_property
-    def _turns(self) -> list[float]:
-        """The last four times at most at which v changes its sign."""
+    def _turns(self) -> FloatArray:
+        """The last four times at most at which v changes its sign, and x there.
+
+        A step of the integrator ends where v = 0; between samples of any other motion the root is sought.
+        """
         moving = np.flatnonzero(self.v)
         signs = np.sign(self.v[moving])
-        places = np.flatnonzero(signs[:-1] != signs[1:])[-4:]
-        brackets = zip(self.t[moving[places]].tolist(), self.t[moving[places + 1]].tolist(), strict=True)
-        return [brentq(lambda t: float(self.at(t).v), *bracket) for bracket in brackets]
+        last = np.flatnonzero(signs[:-1] != signs[1:])[-4:]
+        turns = list[tuple[float, float]]()
+        for before, after in zip(moving[last].tolist(), moving[last + 1].tolist(), strict=True):
+            t, x = float(self.t[before + 1]), float(self.x[before + 1])
+            if after == before + 1:
+                t = brentq(lambda t: float(self.at(t).v), self.t[before], self.t[after])
+                x = float(self.at(t).x)
+            turns.append((t, x))
+        return np.reshape(turns, (-1, 2)).T
 
-    @cached_property
+    @property
     def _swings(self) -> FloatArray:
-        return np.asarray(np.abs(np.diff(self.at(self._turns).x)))
+        return np.asarray(np.abs(np.diff(self._turns[1])))
 
     @property
     def _is_still(self) -> bool:
         """Whether the last swings of x are too small to be a motion."""
-        ends = self._swings[[0, -1]] if len(self._turns) == 4 else np.array([math.inf])
+        ends = self._swings[[0, -1]] if self._turns.shape[1] == 4 else np.array([math.inf])
         return bool(ends.min() == 0 or ends.max() <= _STILL * self.oscillator.length)
 
     @property
