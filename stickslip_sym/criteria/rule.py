@@ -33,6 +33,7 @@ _Others: TypeAlias = tuple[Criterion, FrictionTable, bool, tuple[float, ...]]
 _Three: TypeAlias = tuple[FloatArray, FloatArray, FloatArray]
 _Four: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 _ROUNDING = 1e-14  # of the average of abs(mu')
+_ROUNDED = 8 * np.finfo(np.float64).eps  # of mu: what rises are not known to
 
 
 def slope_average(
@@ -109,7 +110,8 @@ def _summed(
     if not own:
         return average, size, 0.0 * average, tails
     speeds = V * ((1 - A) + 2 * A * panels.ends)
-    rises = np.diff(table.values(speeds), axis=1)
+    values = table.values(speeds)
+    rises, sizes = np.diff(values, axis=1), np.abs(values)
     heights = panels.heights
     for kink, jump in zip(table.kinks, table.jumps[1:].tolist(), strict=True):
         if jump and parting and speeds[0, 0] < kink < speeds[0, -1]:
@@ -119,6 +121,8 @@ def _summed(
             rises[:, at - (speeds[0, at] >= kink)] -= jump  # of the panel on whose side rounding put the end
     # Slopes at rounded speeds do not add up to the rise where mu is steep; the rise is what counts there.
     lack = rises / (V * A) - (slope * panels.share).reshape(len(V), -1, _NODES).sum(axis=2)
+    # Far out it is a difference of numbers that are nearly the same, and the slopes are what is known.
+    lack[np.abs(lack) * (V * A) <= _ROUNDED * np.maximum(sizes[:, 1:], sizes[:, :-1])] = 0.0
     average -= (lack * (heights[1:] + heights[:-1]) / 2).sum(axis=1)
     off = (np.abs(lack) * np.abs(np.diff(heights))).sum(axis=1)
     return average, size, np.where(speeds[:, -1] <= table.end, off, np.inf), tails

@@ -34,6 +34,16 @@ def test_catalogue_within_the_stated_error(name, V):
     assert deviation <= error
 
 
+@pytest.mark.parametrize("criterion", [least_squares, harmonic])
+def test_far_out_the_slope_counts_and_not_the_rounding_of_mu(criterion):
+    """There an average is 1/V or less of mu/V: differences of values of mu would know no digit of it."""
+    for name in ("exponential", "rational", "arctangent", "bengisu_akay"):
+        for V in (1e6, 1e9, 1e12):
+            deviation, error = off(ss.laws[name].typical(), criterion, V)
+            value = float(ss.enclose(ss.laws[name].typical(), criterion, V=V, N=1))
+            assert deviation <= error <= 1e-9 * abs(value)
+
+
 def blind(law):
     """Return the table of a law without the ends of its narrow pieces."""
     table = dataclasses.replace(FrictionTable.of(law))
