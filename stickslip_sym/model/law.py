@@ -497,8 +497,14 @@ class FrictionLaw:
 
 @lru_cache(maxsize=256)  # laws with other values share it
 def slope_of(mu: Expr) -> Expr:
-    """Return the derivative of a coefficient with respect to the slip speed."""
-    return without_squares(sp.diff(mu, symbols.v))
+    """Return the derivative of a coefficient by the slip speed; that of a quotient is one, in factors.
+
+    As the quotient rule gives it, its two terms cancel at high speeds.
+    """
+    slopes = [sp.diff(term, symbols.v) for term in sp.Add.make_args(mu)]
+    quotients = [slope.is_rational_function(symbols.v) and not slope.is_polynomial(symbols.v) for slope in slopes]
+    factors = [sp.factor(s) if is_quotient else s for s, is_quotient in zip(slopes, quotients, strict=True)]
+    return without_squares(sp.Add(*factors))
 
 
 def _described(parameters: Iterable[Parameter], units: Mapping[str, str] | None) -> dict[str, Parameter]:
