@@ -257,13 +257,16 @@ class Dimensionless:
         static, onset = self.table.static, self.table.onset
         push, hold = np.multiply(etas, np.multiply(side, static) - onset), np.multiply(etas, 2 * static)
         damping = np.multiply(2.0, zetas)
-        columns = np.broadcast_arrays(etas, push, side, damping, hold, q, w, end_tau, most, passes)
-        sides, u, none = columns[2], np.multiply(side, w), np.zeros(columns[5].shape)
+        given = etas, push, side, damping, hold, q, w, end_tau, most, passes
+        columns = np.empty((len(given), *np.broadcast(*given).shape))
+        for column, value in zip(columns, given, strict=True):
+            column[:] = value
+        sides, u, none = columns[2], columns[2] * columns[6], np.zeros(columns.shape[1:])
         rows = np.column_stack([none + End.LATE, none, q, w, sides, *[none] * 4, q, q, u, u])
         halves = min(float(np.max(passes, initial=0)), end_tau / math.pi)
         batch = math.ceil(_BATCH / (1.0 + halves))
         settings = rtol, int(until), level
-        self.spread(_follow_all, columns, settings, rows, few=few, batch=batch, workers=workers)
+        self.spread(_follow_all, [*columns], settings, rows, few=few, batch=batch, workers=workers)
         return Slip(*rows.T)
 
     def rounds(self, q: FloatArray, rtol: float, **options: Any) -> FloatArray:
@@ -276,10 +279,10 @@ class Dimensionless:
           unknown.
         """
         slips = self.slips(q, np.zeros_like(q), passes=1, until=End.MINIMUM, rtol=rtol, **options)
-        back = slips.end == End.RETURN
-        slower = np.isin(slips.end, (End.MINIMUM, End.REST, End.HORIZON))
-        ends = [back & (slips.q <= 0), back, slower, slips.end == End.OUTSIDE]
-        return np.select(ends, [math.nan, slips.q, 0.0, math.inf], -1.0)
+        end, back = slips.end, np.where(slips.q <= 0, math.nan, slips.q)
+        rounds = np.where(end == End.OUTSIDE, math.inf, -1.0)
+        rounds[(end == End.MINIMUM) | (end == End.REST) | (end == End.HORIZON)] = 0.0
+        return np.where(end == End.RETURN, back, rounds)
 
     def states(
         self, steps: Sequence[Step], which: IntArray, tau: FloatArray, side: float, rtol: float
