@@ -5,7 +5,7 @@ from typing import Any
 import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.options import Given, option
-from stickslip_sym.cli.output import echo_found
+from stickslip_sym.cli.output import echo_found, under_way
 from stickslip_sym.cli.reading import point
 from stickslip_sym.core.errors import InputError
 
@@ -31,13 +31,15 @@ def run(given: Given) -> None:
         raise InputError("critical values are computed at a given damping: add -c VALUE")
     if of == "all":
         given.all_used()
-        margins = ss.margins(at.law, ss.Oscillator(**at.numbers), errors=at.texts, **how)
+        with under_way("margins of all quantities"):
+            margins = ss.margins(at.law, ss.Oscillator(**at.numbers), errors=at.texts, **how)
         echo_found(given, at, margins, of="all", margins=margins)
         return
     at.exact("critical --of " + of)
     text, unit = given["within"], options.unit_of(at.law, of)
     within = None if text is None else options.read_range(text, "--within", of=of, unit=unit)
     given.all_used()
-    values = ss.critical(at.law, of, **how | at.numbers, within=within)
+    with under_way(f"critical values of {of}"):
+        values = ss.critical(at.law, of, **how | at.numbers, within=within)
     text = "\n".join(map(str, values)) or f"there is no such value of {of}"
     echo_found(given, at, text, of=of, values=values)

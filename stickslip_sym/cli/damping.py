@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.options import Given, file_option, option
-from stickslip_sym.cli.output import Json, echo_all, in_options
+from stickslip_sym.cli.output import Json, echo_all, in_options, under_way
 from stickslip_sym.cli.reading import Point, points
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.uncertain import split
@@ -48,14 +48,16 @@ def run(given: Given) -> None:
     for at in at_all:
         given.all_used()
         if method is None:
-            compared = ss.compare(at.law, None, rtol=min(rtol, _RTOL), time_limit=limit, **at.texts)
+            with under_way("thresholds by every method"):
+                compared = ss.compare(at.law, None, rtol=min(rtol, _RTOL), time_limit=limit, **at.texts)
             rows = tuple(replace(row, reason=in_options(row.reason)) for row in compared)
             found.append({"operating_point": at, "rows": rows})
             texts.append(f"{at}\n\n{replace(compared, rows=rows)}")
             if plot is not None:
                 _draw(plot, at, next(row.threshold for row in reversed(rows) if row.threshold is not None))
             continue
-        threshold = ss.pure_slip_damping(at.law, **at.texts, method=method, rtol=rtol, time_limit=limit)
+        with under_way("threshold"):
+            threshold = ss.pure_slip_damping(at.law, **at.texts, method=method, rtol=rtol, time_limit=limit)
         _ = threshold.uncertainty  # warns where the first order is not enough
         text = f"c = {threshold}"
         found.append({"operating_point": at, "threshold": threshold})

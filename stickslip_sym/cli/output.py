@@ -82,6 +82,20 @@ def counted(what: str) -> Iterator[Callable[[int, int], None]]:
         yield lambda done, total: shown.update(task, completed=done, total=total)
 
 
+@contextmanager
+def under_way(what: str) -> Iterator[Callable[[str], None]]:
+    """Show on a terminal what is computed, and since when; what is yielded takes another text."""
+    if not sys.stderr.isatty():
+        yield lambda text: None
+        return
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    columns = SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn()
+    with Progress(*columns, console=terminal(), transient=True) as shown:
+        task = shown.add_task(what, total=None)
+        yield lambda text: shown.update(task, description=text)
+
+
 def echo_json(command: str, **found: object) -> None:
     """Print the object of a command; results in it become what `content` makes of them."""
     from stickslip_sym.output.content import content

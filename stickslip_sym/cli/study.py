@@ -9,7 +9,7 @@ import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.fit import fitted, laws_to_fit
 from stickslip_sym.cli.options import Given, option
-from stickslip_sym.cli.output import echo_all, in_options
+from stickslip_sym.cli.output import echo_all, in_options, under_way
 from stickslip_sym.cli.reading import points, reading_of
 from stickslip_sym.core.errors import InputError
 
@@ -75,10 +75,11 @@ def run(given: Given) -> None:
         osc, written = ss.Oscillator(**one.numbers), list[str]()
         contents.append({"operating_point": one, "page": page, "pdf": paper})
         if page is not None:
-            found = ss.study(
-                fits or one.law, osc, errors=one.texts, measured=measured, name=name,
-                defaults=(*one.typical, *one.defaults), time_limit=limit,
-            )  # fmt: skip
+            with under_way("study") as progress:
+                found = ss.study(
+                    fits or one.law, osc, errors=one.texts, measured=measured, name=name,
+                    defaults=(*one.typical, *one.defaults), time_limit=limit, progress=progress,
+                )  # fmt: skip
             found.save(page)
             written += [*map(in_options, found.findings)]
             written.append(f"{page}: {len(found.page) / 1000:.0f} kB, in {found.seconds:.1f} s")
@@ -87,7 +88,8 @@ def run(given: Given) -> None:
                 found.print(paper)
                 written.append(f"{paper}: the same, printed")
         if sliders is not None:
-            explored = explorer(one.law, osc, title=name or "", time_limit=limit or _SECONDS)
+            with under_way("exact thresholds for the page with sliders"):
+                explored = explorer(one.law, osc, title=name or "", time_limit=limit or _SECONDS)
             write_text(sliders, explored)
             written.append(f"{sliders}: {len(explored) / 1000:.0f} kB, with sliders")
             contents[-1]["explorer"] = sliders

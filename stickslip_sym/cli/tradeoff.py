@@ -5,7 +5,7 @@ from typing import Any
 import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.options import Given, option
-from stickslip_sym.cli.output import echo_found
+from stickslip_sym.cli.output import echo_found, under_way
 from stickslip_sym.cli.reading import point
 
 
@@ -39,7 +39,8 @@ def run(given: Given) -> None:
     limit, plot = given["time_limit"], given["plot"]
     given.all_used()
     quantities: dict[str, Any] = dict(at.texts)
-    found = ss.tradeoff(at.law, of=kinds, time_limit=limit, **more, **quantities)
+    with under_way("methods, each several times"):
+        found = ss.tradeoff(at.law, of=kinds, time_limit=limit, **more, **quantities)
     echo_found(given, at, found, **more, trades=found.trades, refused=found.refused)
     if plot is not None:
         found.plot(plot)

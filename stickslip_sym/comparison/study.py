@@ -383,6 +383,7 @@ def study(
     name: str | None = None,
     defaults: Iterable[str] = (),
     time_limit: float | None = None,
+    progress: Callable[[str], None] | None = None,
 ) -> Study:
     """Return everything about one operating point: thresholds, motions, sensitivities, margins, formulas.
 
@@ -402,6 +403,8 @@ def study(
         Quantities and parameters whose values are defaults, to be marked.
     time_limit : float, optional
         Seconds for each part, 20 if not given; one that takes longer is named instead.
+    progress : callable, optional
+        Called with the name of each part before it is computed.
 
     Returns
     -------
@@ -440,7 +443,10 @@ def study(
     seconds = _EACH if time_limit is None else time_limit
     each = seconds / _SHARE
 
+    begun = progress or (lambda what: None)
+
     def part(what: str, compute: Callable[[], Part]) -> Part | None:
+        begun(what)
         try:
             with limited(seconds):
                 return compute()
@@ -459,6 +465,7 @@ def study(
     own = [] if fit is None else [text for text in (fit.extrapolation(osc.V), *fit.warnings) if text]
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
+        begun("thresholds by every method")
         answers = compare(friction, rtol=_RTOL, time_limit=each, **point).rows
         exact = [row.threshold for row in answers if row.method in ("simulation", "orbit")]
         threshold = min(filter(None, exact), key=lambda found: found.relative_error, default=None)

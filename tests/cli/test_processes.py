@@ -1,5 +1,6 @@
 """The command as a process: interrupts, pipes, full disks, colours, completion."""
 
+import io
 from pathlib import Path
 
 import pytest
@@ -7,6 +8,7 @@ from click.shell_completion import get_completion_class
 from commands import shell
 from systems import needs_posix_shell
 
+from stickslip_sym.cli.output import under_way
 from stickslip_sym.cli.program import program
 
 
@@ -71,3 +73,24 @@ def test_shell_completes(words, begun, expected):
     found = [item.value for item in completion.get_completions(words.split(), begun)]
     assert expected in found
     assert "equilibrium" not in found
+
+
+class Terminal(io.StringIO):
+    """A stream that is a terminal, or is none."""
+
+    is_one = True
+
+    def isatty(self):
+        return self.is_one
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_what_is_under_way_is_shown_in_a_terminal_only(terminal, monkeypatch):
+    stream = Terminal()
+    stream.is_one = terminal
+    monkeypatch.setattr("sys.stderr", stream)
+    monkeypatch.setenv("TERM", "xterm")
+    with under_way("begins") as progress:
+        progress("the plane [of] c")
+    assert ("the plane [of] c" in stream.getvalue()) == terminal
+    assert terminal or stream.getvalue() == ""

@@ -153,7 +153,10 @@ def test_what_users_write_stays_text(monkeypatch):
     object.__setattr__(measured, "understood", EVIL)
     described = [ss.Parameter("a", EVIL, "1", "0.5"), ss.Parameter("b", EVIL, "s/m", "0.1")]
     law = ss.FrictionLaw("a - b*v", name=EVIL, source=EVIL, validity=EVIL, parameters=described).typical()
-    study = ss.study(law, OSC, measured=measured, name=EVIL, defaults=[EVIL])
+    parts = []
+    study = ss.study(law, OSC, measured=measured, name=EVIL, defaults=[EVIL], progress=parts.append)
+    assert parts[0] == "thresholds by every method"
+    assert {"plane of c over V", "margins"} <= set(parts)
     root = check_well_formed(study.page)
     shown = EVIL.replace("\x00", "\ufffd").replace("\x1b", "\ufffd").replace("\udcff", "\ufffd")
     text = "".join(root.itertext())
