@@ -542,25 +542,14 @@ def follow(
     while end == End.OPEN:
         if at_kink:
             at_kink = False
-            beyond = segment + 1 if rising else segment - 1
-            upper = max(segment, beyond)
-            across = rate_at(entered(rise, beyond, rising, state.w), field, state.q, state.w)
-            if (across >= 0.0) == rising or rise.jumps[upper] == 0.0:
-                segment = beyond
-                if wedge.wanted and rise.jumps[upper] != 0.0:
-                    state = _through(field, state, across, wedge.shifts[upper])
-            elif field.side * state.w == 1.0:
-                end, state = End.REST, _at_rate(state, 0.0)
-                break
-            else:
-                turn, segment, rising, length = _slide(rise, field, state, upper, rising, stop.horizon)
+            before = state
+            end, segment, rising, state, slide = _enter(rise, field, state, segment, rising, stop, wedge)
+            if slide > -1.0:
                 if recorded:
-                    steps.append(Step(state.tau, state.q, state.w, 0.0, length, -1, False))
-                state, taken = _slid(field, state, length, wedge.shifts[upper]), taken + 1
-                q_least, q_most = min(q_least, state.q), max(q_most, state.q)
-                if turn == stop.until:
-                    end, state = turn, _at_rate(state, 0.0)
-                    break
+                    steps.append(Step(before.tau, before.q, before.w, 0.0, slide, -1, False))
+                taken, q_least, q_most = taken + 1, min(q_least, state.q), max(q_most, state.q)
+            if end != End.OPEN:
+                break
             branch = entered(rise, segment, rising, state.w)
             state = _at_rate(state, rate_at(branch, field, state.q, state.w))
         end = _interruption(state.tau, taken, stop)
@@ -716,6 +705,33 @@ def _cross(branch: Branch, field: Field, hold: float, state: State) -> tuple[Fie
     field = Field(field.eta, field.push + 0.5 * (side - field.side) * hold, side, field.damping)
     rate = rate_at(branch, field, state.q, state.w)
     return field, State(state.tau, state.q, state.w, side, rate, state.wedge * rate / state.rate)
+
+
+@compilable
+def _enter(
+    rise: Rise, field: Field, state: State, segment: int, rising: bool, stop: Stop, wedge: Wedge
+) -> tuple[End, int, bool, State, float]:
+    """Let a mass pass the kink between two segments of the law, or slide where mu jumps there.
+
+    Returns the end if it is one, the segment beyond, whether w rises there, the state, and how long the mass
+      slides, -1 if it does not.
+    """
+    beyond = segment + 1 if rising else segment - 1
+    upper = max(segment, beyond)
+    across = rate_at(entered(rise, beyond, rising, state.w), field, state.q, state.w)
+    end, slide = End.OPEN, -1.0
+    if (across >= 0.0) == rising or rise.jumps[upper] == 0.0:
+        segment = beyond
+        if wedge.wanted and rise.jumps[upper] != 0.0:
+            state = _through(field, state, across, wedge.shifts[upper])
+    elif field.side * state.w == 1.0:
+        end, state = End.REST, _at_rate(state, 0.0)
+    else:
+        turn, segment, rising, slide = _slide(rise, field, state, upper, rising, stop.horizon)
+        state = _slid(field, state, slide, wedge.shifts[upper])
+        if turn == stop.until:
+            end, state = turn, _at_rate(state, 0.0)
+    return end, segment, rising, state, slide
 
 
 @compilable
