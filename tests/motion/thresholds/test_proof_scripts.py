@@ -44,6 +44,13 @@ def test_the_script_of_a_threshold_proves_it(name):
     assert done.stdout.startswith("proved: " + theorem.statement[:40])
 
 
+def test_a_steep_tanh_loses_no_digits():
+    """Far along tanh(50 w) a series by exp(2 z) loses half its bits, and boxes grow too wide."""
+    law = ss.FrictionLaw("(0.2 + 0.3*exp(-3*v))*tanh(v/v_0)").bind(v_0="0.01").with_static("0.5")
+    theorem = ss.pure_slip_damping(law, **AT, method="proof", rtol=1e-6).theorem
+    assert run(theorem.certificate()).returncode == 0
+
+
 def changed(script, rng):
     """Return a script with a digit of a number, or a sign, of the law or of its values changed."""
     head, tail = script.split("MU = [", 1)
