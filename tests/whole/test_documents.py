@@ -27,7 +27,7 @@ DOCUMENTS = {
     name: (ROOT / name).read_text(encoding="utf-8")
     for name in (
         "README.md", "CONTRIBUTING.md", f"{DOCS}/tutorial.md", f"{DOCS}/instruments.md", f"{DOCS}/methods.md",
-        GALLERY,        "derivations/README.md", DERIVATION, "paper_checks/README.md",
+        GALLERY, "derivations/README.md", DERIVATION, "paper_checks/README.md",
     )
 }  # fmt: skip
 TIME = re.compile(r"\b[\d.]+ (ns|us|ms|s)\b")
