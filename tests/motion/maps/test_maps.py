@@ -140,7 +140,7 @@ WRONG = [
     ({"x": ("V", [0.2, 0.1])}, "the values of V do not ascend"),
     ({"x": ("V", [0.1, float("nan")])}, "V holds a value that is not finite: nan"),
     ({"x": ("V", [])}, "one row of numbers, got an array of shape (0,)"),
-    ({"x": ("V", ["a"])}, "V = ['a'] is not a number or an array of numbers"),
+    ({"x": ("V", ["a"])}, "V = 'a' is not a number"),
     ({"x": ("V", [-1, 1])}, "V = -1 must be positive"),
     ({"x": ("mu_s", [-1, 1]), "V": 0.5}, "mu_s = -1 is negative"),
     ({"x": ("c", [1, 2])}, "both axes are c"),
