@@ -501,10 +501,17 @@ def slope_of(mu: Expr) -> Expr:
 
     As the quotient rule gives it, its two terms cancel at high speeds.
     """
-    slopes = [sp.diff(term, symbols.v) for term in sp.Add.make_args(mu)]
-    quotients = [slope.is_rational_function(symbols.v) and not slope.is_polynomial(symbols.v) for slope in slopes]
-    factors = [sp.factor(s) if is_quotient else s for s, is_quotient in zip(slopes, quotients, strict=True)]
-    return without_squares(sp.Add(*factors))
+    return without_squares(sp.Add(*map(_slope_of_term, sp.Add.make_args(mu))))
+
+
+def _slope_of_term(term: Expr) -> Expr:
+    """Return the slope of a term; powers of a shifted speed stay as they are, for multiplied out they cancel."""
+    over, under = sp.fraction(term)
+    if over.has(symbols.v) and all(
+        one.is_polynomial(symbols.v) and one == sp.expand(one) for one in (over, under)
+    ):
+        return sp.factor(sp.expand(sp.diff(over, symbols.v) * under - over * sp.diff(under, symbols.v))) / under**2
+    return sp.diff(term, symbols.v)
 
 
 def _described(parameters: Iterable[Parameter], units: Mapping[str, str] | None) -> dict[str, Parameter]:

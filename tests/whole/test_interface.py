@@ -32,7 +32,8 @@ def signature(name, value):
 def in_json(one):
     """Return the attributes of a result that its JSON has."""
     own = [field.name for field in fields(one)] if is_dataclass(one) else []
-    return ", ".join(getattr(one, "reported", own))
+    reported = getattr(one, "reported", own)
+    return "by its kind" if isinstance(reported, property) else ", ".join(reported)
 
 
 def interface():

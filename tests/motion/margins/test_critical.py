@@ -192,7 +192,7 @@ REFUSED = [
     (ss.critical, "k", {"c": 1, "V": 1, "N": 1, "m": 1, "method": "harmonic"}, "does not depend on k"),
     *((ss.critical, "alpha", {"c": 1, "V": 1, "N": 1, "within": within}, "two numbers of one sign, ascending")
       for within in ((2, 1), 5)),
-    (ss.critical, "alpha", {"c": 1, "V": 1, "N": 1, "within": ("x", 1)}, "is not a number or an array"),
+    (ss.critical, "alpha", {"c": 1, "V": 1, "N": 1, "within": ("x", 1)}, "is not a number"),
     (ss.margins, OSC, {"errors": "9.8(2)"}, "errors is a mapping such as"),
     (ss.margins, OSC, {"samples": "many"}, "samples is a whole number"),
     (ss.margins, OSC, {"samples": -1}, "samples = -1 must not be negative"),
