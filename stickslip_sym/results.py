@@ -19,7 +19,7 @@ from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.motion.maps.basins import BasinMap, Share
 from stickslip_sym.motion.maps.motions import MotionMap
 from stickslip_sym.motion.maps.sweep import BasinSweep, Change
-from stickslip_sym.motion.margins.critical import Critical
+from stickslip_sym.motion.margins.critical import Critical, CriticalValues
 from stickslip_sym.motion.margins.margins import Margin, Margins
 from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.regimes.attractors import Region
@@ -45,6 +45,7 @@ __all__ = [
     "ClosedForm",
     "Comparison",
     "Critical",
+    "CriticalValues",
     "Derivation",
     "EnclosedCriterion",
     "Enclosure",

@@ -41,5 +41,4 @@ def run(given: Given) -> None:
     given.all_used()
     with under_way(f"critical values of {of}"):
         values = ss.critical(at.law, of, **how | at.numbers, within=within)
-    text = "\n".join(map(str, values)) or f"there is no such value of {of}"
-    echo_found(given, at, text, of=of, values=values)
+    echo_found(given, at, values, of=of, values=values, looked=values.looked, unresolved=values.unresolved)

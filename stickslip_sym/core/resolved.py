@@ -27,6 +27,8 @@ _TAIL = 3  # last coefficients, that must vanish
 _NOISE = 4.0  # errors of its values, by which a coefficient may be off
 _NARROWEST = 1e-11  # width of an interval over the range: it holds a jump, or the end of a stretch without value
 _COARSE = 1e3  # times what was asked for, above which an error hides roots
+_PLAIN = 1e-2  # of its largest value, that a polynomial with a root may leave out where only roots are sought
+_CLEAR = 10.0  # times what it leaves out, that its extrema and ends are then
 _FARTHEST = 1e300  # from a value, that a bisection is to see
 _REAL = 1e-3  # imaginary part of a root of a slope, of a double root that rounding has parted
 
@@ -178,25 +180,62 @@ def fitted(low: float, high: float, values: FloatArray, errors: FloatArray, rtol
     return Piece(low, high, coefficients, error) if np.abs(coefficients[-_TAIL:]).max() <= error else None
 
 
-def resolve(function: Sampled, edges: Sequence[float], *, rtol: float, most: int) -> Resolved:
+def sketched(
+    low: float, high: float, values: FloatArray, errors: FloatArray, rtol: float
+) -> tuple[Piece | None, bool]:
+    """Return such a polynomial if what it leaves out hides no root at 0, and whether only errors of values may.
+
+    Where it has a root that has to be small beside its largest value; everywhere, beside its extrema and ends.
+    """
+    if not np.isfinite(values).all():
+        return None, False
+    coefficients = values @ _COEFFICIENTS
+    tail = float(np.abs(coefficients[-_TAIL:]).max())
+    piece = Piece(low, high, coefficients, float(_NOISE * errors.max() + tail))
+    ends = [turn.value for turn in piece.turns]
+    largest, limit = max(map(abs, ends)), min(map(abs, ends)) / _CLEAR
+    if min(ends) < 0.0 < max(ends):
+        limit = min(limit, _PLAIN * largest)
+    return (piece, False) if piece.error <= limit else (None, tail <= max(limit / 2, rtol * largest))
+
+
+def nodes(low: FloatArray, high: FloatArray) -> FloatArray:
+    """Return the Chebyshev nodes of intervals, a row for each: where `resolve` asks for values first."""
+    return np.asarray((low + high)[:, None] / 2 + (high - low)[:, None] / 2 * NODES)
+
+
+def resolve(
+    function: Sampled, edges: Sequence[float], *, rtol: float, most: int, sketch: Sampled | None = None
+) -> Resolved:
     """Resolve a function of one quantity.
 
     - `edges`: ascending arguments: the ends of the range, and between them where the function may break.
     - `rtol`: of the largest value on an interval, what its polynomial may leave out; errors of values are added.
     - `most`: how many values may be computed; what they do not resolve is listed as unresolved.
+    - `sketch`: the function with larger errors, where only its roots are sought. The function itself is asked
+      where these errors may hide one.
     """
     low, high = np.array(edges[:-1], dtype=np.float64), np.array(edges[1:], dtype=np.float64)
     narrowest = _NARROWEST * (edges[-1] - edges[0])
     pieces, unresolved, left = list[Piece](), list[tuple[float, float]](), most
     while low.size and (left := left - low.size * NODES.size) >= 0:
-        nodes = (low + high)[:, None] / 2 + (high - low)[:, None] / 2 * NODES
-        values, errors = (column.reshape(nodes.shape) for column in function(nodes.ravel()))
+        x = nodes(low, high)
+        values, errors = (column.reshape(x.shape) for column in (sketch or function)(x.ravel()))
         fits, beyond = (
             np.zeros(low.size, dtype=bool),
             np.isinf(values[:, 0]) & (values == values[:, :1]).all(axis=1),
         )
         for i, ends in enumerate(zip(low.tolist(), high.tolist(), strict=True)):
-            piece = Piece(*ends, values[i, :1], 0.0) if beyond[i] else fitted(*ends, values[i], errors[i], rtol)
+            if beyond[i]:
+                piece: Piece | None = Piece(*ends, values[i, :1], 0.0)
+            elif sketch is None:
+                piece = fitted(*ends, values[i], errors[i], rtol)
+            else:
+                piece, by_errors = sketched(*ends, values[i], errors[i], rtol)
+                if by_errors:
+                    left -= NODES.size
+                    close = function(x[i])
+                    piece = sketched(*ends, *close, rtol)[0] or fitted(*ends, *close, rtol)
             fits[i] = piece is not None
             pieces += [piece] if piece is not None else []
         unknown = np.isnan(values).all(axis=1)

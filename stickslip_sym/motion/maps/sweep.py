@@ -215,7 +215,7 @@ def _critical(law: FrictionLaw, osc: Oscillator, axis: Axis) -> list[Change]:
         del kinds["Hopf"]
     changes = []
     for kind, method in kinds.items():
-        for one in critical(law, axis.name, **others, method=method, rtol=_CLOSE, within=grid):
+        for one in critical(law, axis.name, **others, method=method, rtol=_CLOSE, within=(grid[0], grid[-1])):
             error = ROUNDING * abs(one.sensitivity.get("c", 1.0) * others.get("c", one.value))
             own = (one.relative_error or 0.0) if kind == "graze" else ROUNDING  # Hopf points are averages, exactly
             changes.append(Change(kind, one.value, error + own * abs(one.value)))

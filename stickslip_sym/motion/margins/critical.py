@@ -1,35 +1,37 @@
 """`critical`: every value of one quantity or parameter at which a given damping is just the pure-slip damping.
 
-An average that is a polynomial in the quantity gives all values as its roots. Otherwise threshold minus c is
-followed on a grid, to every change of sign, and to every extremum that comes close to one. Its sign is that of
-the gap between both halves of the grazing orbit at c (`needed`): it takes one gap, and a threshold some. Where a
-half creeps to rest, or is driven away, the sign is known too.
+An average that is a polynomial in the quantity gives all values as its roots. Otherwise the threshold becomes a
+resolved function of the quantity, and what passes c is sought where that does. There the sign of threshold minus c
+is that of the gap between both halves of the grazing orbit at c (`needed`): that takes one gap, a threshold some.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from itertools import pairwise
+from itertools import compress, pairwise
+from operator import not_
 from typing import Any, NoReturn
 
 import numpy as np
 import sympy as sp
+from scipy.optimize import brentq
 
 from stickslip_sym.core import deadline, symbols
-from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged
-from stickslip_sym.core.numbers import lookup, read_array, read_rtol, real
+from stickslip_sym.core.numbers import SAME, lookup, read_array, read_rtol, real
+from stickslip_sym.core.resolved import Root, Sampled, joined, nodes, resolve
 from stickslip_sym.core.units import in_si
 from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.criteria.enclosure import Enclosure
-from stickslip_sym.criteria.rule import slope_average
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, sure_gap
+from stickslip_sym.model.table import FrictionTable
+from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, needed_ratio, rough_ratio, sure_gap
 from stickslip_sym.motion.orbits.orbit import obstacle
-from stickslip_sym.motion.roots import closest, sign_changes
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.steps import TIGHT
 from stickslip_sym.motion.thresholds.averages import average, slope_mean
@@ -40,12 +42,23 @@ from stickslip_sym.motion.thresholds.theorem import Search, checked_hypotheses
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 from stickslip_sym.output import markup
 
-_PER_DECADE = 8  # values sampled
-_WHOLE = (1e-12, 1e12)  # of a quantity in SI units, that is sampled
-_STRENGTHS = (1e-3, 1e2)  # N/(V sqrt(k m)) between which V, N, m and k are sought
+_WHOLE = (1e-12, 1e12)  # belt speeds in m/s that are looked at
+_DECADES_EACH = 3  # of belt speeds, that a polynomial spans at first
+_WEAKEST = 1e-8  # N <|mu'|>/sqrt(k m), or static excess over V sqrt(k m), from which N, m and k are sought
+_STRONGEST = 10.0, 1e3  # both, beyond which thresholds take long
+_PIECES = 400  # of the table of a law, whose end no belt speed exceeds: of one that varies for ever
+_LOOKS, _FEW_LOOKS = 200, 9  # belt speeds, and values of a parameter, at which that is asked
+_FEWEST = 3  # of these beside each other, that a range needs
 _AROUND = 100.0  # factor above and below a parameter's value within which it is sought
-_NEAR = 0.5  # relative distance of a harmonic average from c, within which a quantity is sought in any case
+_FEW = 8  # thresholds by slips at once, up to which compiled code is not worth loading
+_CLOSE = 1e-8  # relative error of thresholds, and of polynomials through them
+_DISTANT = 1e-3  # of its distance from c, error of a threshold that suffices,
+_ROUGH = 1e-3  # or of itself
+_MOST, _MOST_AVERAGES = 400, 4000  # values that may be computed
+_EDGE = 3e-3  # relative distance within which it is said where thresholds end
+_WIDER = 8.0  # times, by which the bracket about a root grows
 _FINER = 1e-3  # of rtol, the relative error of a threshold at a root
+_NEAR = 1e-2  # of the distance to where a threshold turns, a step of Newton's method that is a small one
 _FLAT = math.sqrt(SIGNS)  # relative, whose square is nothing: distance of an extremum or an edge, step of Newton's
 
 
@@ -92,6 +105,54 @@ class Critical:
         return markup.block(f"critical value: {self}")
 
 
+class CriticalValues(tuple[Critical, ...]):
+    """All critical values of one quantity or parameter, ascending, and where they were looked for.
+
+    Attributes
+    ----------
+    of : str
+    unit : str or None
+    looked : tuple of float
+        Between which values; from 0 to infinity where an average is a polynomial, of which all roots are found.
+    unresolved : tuple of (float, float)
+        Intervals in it in which more values may lie, or in which there is no threshold.
+    """
+
+    of: str
+    unit: str | None
+    looked: tuple[float, float]
+    unresolved: tuple[tuple[float, float], ...]
+
+    def __new__(
+        cls, values: Iterable[Critical], of: str, unit: str | None, looked: tuple[float, float],
+        unresolved: tuple[tuple[float, float], ...] = (),
+    ) -> "CriticalValues":  # fmt: skip
+        """Make the values a tuple."""
+        found = super().__new__(cls, values)
+        found.of, found.unit, found.looked, found.unresolved = of, unit, looked, unresolved
+        return found
+
+    def __getnewargs__(self) -> tuple[Any, ...]:
+        """Return what makes it again, for copies and other processes."""
+        return tuple(self), self.of, self.unit, self.looked, self.unresolved
+
+    @property
+    def range(self) -> str:
+        """Between which values they were looked for, as a sentence."""
+        low, high = self.looked
+        unit = "" if self.unit in (None, "1") else f" {self.unit}"
+        if (low, high) in ((0.0, math.inf), (-math.inf, math.inf)):
+            text = f"every {'positive ' if low == 0 else ''}value of {self.of} was looked at"
+        else:
+            text = f"{self.of} was looked at from {low:.6g} to {high:.6g}{unit}"
+        gaps = ", ".join(f"{a:.6g} to {b:.6g}{unit}" for a, b in self.unresolved)
+        return f"{text}; not decided, or without a threshold: {gaps}" if gaps else text
+
+    def __str__(self) -> str:
+        values = [str(one) for one in self] or [f"there is no such value of {self.of}"]
+        return "\n".join([*values, self.range])
+
+
 def critical(
     law: FrictionLaw | str,
     of: str,
@@ -107,7 +168,7 @@ def critical(
     rtol: float = 1e-3,
     within: Sequence[float | str] | None = None,
     time_limit: float | None = None,
-) -> tuple[Critical, ...]:
+) -> CriticalValues:
     """Return every value of one quantity or parameter at which the pure-slip damping is c, ascending.
 
     Parameters
@@ -127,19 +188,20 @@ def critical(
     rtol : float
         Relative error that is good enough, 1e-12 to 1; the width of a proved enclosure.
     within : sequence of float or str, optional
-        Two values of one sign between which to look at 8 points a decade, or more, ascending: all the points.
-        If not given, a parameter is sought from 1/100 of its value to 100 times it, and V, N, m and k where
-        N/(V sqrt(k m)) is 1e-3 to 100, or the harmonic average comes close to c. Two values closer together than
-        points are found if these show the extremum between them, and may otherwise be missed. One at which an
-        average jumps past c counts too, as the equilibrium's does where V is at a kink of mu.
+        Two values of one sign between which to look, or more, ascending, where thresholds may have kinks.
+        If not given, a parameter is sought from 1/100 of its value to 100 times it, V from 1e-12 to 1e12 m/s,
+        and N, m and k where N <|mu'|>/sqrt(k m) is at least 1e-8, as far as friction is not too strong. The
+        result says between which values it looked, and which are not decided: the threshold is resolved by
+        polynomials between its values until what they leave out cannot hide a root. A value at which an average
+        jumps past c counts too, as the equilibrium's does where V is at a kink of mu.
         An average that is linear or a polynomial needs no range: all values are found, by their polynomial.
     time_limit : float, optional
         Seconds of computation after which it is given up.
 
     Returns
     -------
-    tuple of Critical
-        Empty where there is none.
+    CriticalValues
+        A tuple of `Critical`, empty where there is none.
 
     Raises
     ------
@@ -173,9 +235,10 @@ def critical(
     with deadline.time_limit(time_limit):
         if of == "c":
             one = pure_slip_damping(law, **numbers, method=method, rtol=rtol)
-            return (
-                Critical("c", one.value, "kg/s", one.method, one.relative_error, one.sensitivity, one.enclosure),
+            value = Critical(
+                "c", one.value, "kg/s", one.method, one.relative_error, one.sensitivity, one.enclosure
             )
+            return CriticalValues([value], "c", "kg/s", (-math.inf, math.inf))
         unit = (law.parameters[of].unit or "") if of in law.parameters else None
         if isinstance(within, list | tuple):
             within = [real(of, in_si(value, of, unit)) if isinstance(value, str) else value for value in within]
@@ -212,11 +275,13 @@ def _places(within: Sequence[float | str] | None) -> FloatArray | None:
     ascending = places.ndim == 1 and places.size > 1 and (np.diff(places) > 0).all()
     if not ascending or (places.size == 2 and places.prod() <= 0):
         raise InputError(f"within = {within} must be two numbers of one sign, ascending")
-    return places if places.size > 2 else _spaced(*places)
+    return places
 
 
 class _Search:
     """The search for the roots of threshold minus c along one quantity or parameter.
+
+    Where it can it is made of the logarithm: thresholds are smooth functions of that.
 
     - `values`: the others of c, V, N, m and k.
     """
@@ -236,6 +301,8 @@ class _Search:
         self.criterion = None if self.method is None else self.method.criterion
         self.is_quantity = of in symbols.QUANTITIES
         self.unit = symbols.QUANTITIES[of].unit if self.is_quantity else law.parameters[of].unit
+        self.converges = self.criterion is None and (self.method is None or self.method.converges)
+        self.sampled, self.sketched = dict[float, tuple[float, float]](), dict[float, tuple[float, float]]()
 
     def at(self, x: float | str | FloatArray) -> OperatingPoints:
         """Return the operating point for a value of what is sought, or points for several of a quantity."""
@@ -248,86 +315,203 @@ class _Search:
         """The value that a parameter has, or typically has; 0 where neither is known."""
         return float(self.law.values.get(self.of, self.law.parameters[self.of].typical or 0))
 
-    def found(self, within: FloatArray | None) -> tuple[Critical, ...]:
+    def found(self, within: FloatArray | None) -> CriticalValues:
         """Return the critical values, ascending."""
         roots = None if self.criterion is None else self._polynomial_roots(self.criterion)
+        unresolved = list[tuple[float, float]]()
         if roots is not None:
-            low, high = (-math.inf, math.inf) if within is None else (within[0], within[-1])
-            roots = [x for x in roots if low <= x <= high]
+            looked = 0.0 if self.is_quantity else -math.inf, math.inf
+            if within is not None:
+                looked = float(within[0]), float(within[-1])
+            results = [self._result(x) for x in roots if looked[0] <= x <= looked[1]]
         elif self.criterion is not None and self.of in ("m", "k"):
             raise InputError(
                 f'an average of slopes does not depend on {self.of}; give m and k, and try method="orbit"'
             )
         else:
-            roots = self._roots(self._grid() if within is None else within)
-        results = sorted(map(self._result, roots), key=lambda one: one.value)
-        return tuple(map(self._proved, results)) if self.proof else tuple(results)
+            with np.errstate(all="ignore"):
+                edges = np.asarray(self._edges() if within is None else within)
+                looked = float(edges[0]), float(edges[-1])
+                results, unresolved = self._resolved_roots(edges)
+        results.sort(key=lambda one: one.value)
+        values = map(self._proved, results) if self.proof else results
+        return CriticalValues(values, self.of, self.unit, looked, tuple(unresolved))
+
+    # -- thresholds --------------------------------------------------------------------------------
+
+    def thresholds(self, x: FloatArray, *, sketch: bool) -> tuple[FloatArray, FloatArray]:
+        """Return thresholds and their errors in kg/s, NaN where there is none.
+
+        - `sketch`: whether a small part of their distance from c is a small enough error.
+        """
+        known = self.sketched if sketch else self.sampled
+        new = np.array(sorted({one for one in x.tolist() if one not in known}))
+        if new.size and self.is_quantity:
+            known |= dict(zip(new.tolist(), zip(*self._thresholds(new, sketch), strict=True), strict=True))
+        for one in [] if self.is_quantity else new.tolist():
+            value, error = self._thresholds(one, sketch)
+            known[one] = float(value[0]), float(error[0])
+        columns = np.array([known[one] for one in x.tolist()]).reshape(-1, 2)
+        return columns[:, 0], columns[:, 1]
+
+    def _thresholds(self, x: float | FloatArray, sketch: bool) -> tuple[FloatArray, FloatArray]:
+        deadline.check_time()
+        none: FloatArray = np.full(np.size(x), np.nan)
+        value: FloatArray
+        error: FloatArray
+        try:
+            points = self.at(x)
+            if self.criterion is not None:
+                value = points.N * slope_mean(points.law, self.criterion, points.V)
+                lost = np.isnan(value)  # as where a slope overflows, with huge exponents
+                if lost.any():
+                    some = points.rows(lost)
+                    value[lost] = some.N * average(some.law, self.criterion, some.V)
+                return value, SAME * points.slope_scale
+            if self.method is not None and not self.method.converges:
+                value = ask(points, self.method, SIGNS)[0].value
+                return value, SAME * points.slope_scale
+            value, error = none.copy(), np.full(len(points), np.inf)
+            if sketch and len(points) > 1 and obstacle(points.law, points.V) is None:
+                computed, _ = ask(points, methods()["second_order"], _CLOSE)
+                value, error = computed.value, computed.relative_error * points.error_base(computed.value)
+            far = ~(error <= (_DISTANT * np.abs(value - self.c) if sketch else 0.0))
+            rows = np.flatnonzero(far).tolist()
+            for row in rows:
+                value[row], error[row] = self._by_slip(points, row, sketch, fast=len(rows) > _FEW)
+        except NO_RESULT:
+            if np.size(x) == 1:
+                return none, none
+            columns = np.array([self._thresholds(one, sketch) for one in np.ravel(x).tolist()])
+            return columns[:, 0, 0], columns[:, 1, 0]
+        return value, error
+
+    def _by_slip(self, points: OperatingPoints, row: int, sketch: bool, *, fast: bool) -> tuple[float, float]:
+        system = Dimensionless.of(points.law, points.oscillator(row))
+        unit = 2 * float(points.impedance[row])
+        if sketch:
+            zeta, error = rough_ratio(system, _ROUGH, fast=fast)
+        else:
+            zeta, error = needed_ratio(system, rtol=_CLOSE, fast=fast)
+        return zeta * unit, error * unit
 
     # -- where to look -----------------------------------------------------------------------------
 
-    def _grid(self) -> FloatArray:
-        """Return the values at which the excess is sampled, ascending.
-
-        Of a quantity all for an average, else where friction is neither weak nor very strong, and where the
-        harmonic average, the limit for weak friction, comes close to c.
-        """
+    def _edges(self) -> list[float]:
+        """Return arguments between which thresholds are resolved: the range that is looked at, and kinks in it."""
         if not self.is_quantity:
             if not self._usual:
                 raise InputError(f"where to look for {self.of} is not known; give within=(low, high)")
-            return _spaced(*sorted((self._usual / _AROUND, self._usual * _AROUND)))
-        low, high = _WHOLE
-        if self.of == "V" and self.law.v_max is not None:
-            high = float(self.law.v_max) / 2  # motions slip at 2 V, and more
-        x = _spaced(low, high)
-        if self.criterion is not None:
-            return x
+            usual, factors = self._usual, np.geomspace(1 / _AROUND, _AROUND, _FEW_LOOKS)
+            if not self._strong(usual).any():  # from there on both ways as far as friction is not too strong
+                strong = np.flatnonzero([self._strong(usual * factor).any() for factor in factors])
+                below, above = strong[strong < _FEW_LOOKS // 2], strong[strong > _FEW_LOOKS // 2]
+                factors = factors[below.max(initial=-1) + 1 : above.min(initial=_FEW_LOOKS)]
+            return sorted({usual * factors[0], usual, usual * factors[-1]})
+        if self.of == "V":
+            table = FrictionTable.of(self.law)
+            end = table.reach if len(table.pieces) <= _PIECES else float(table.pieces[_PIECES, 0])
+            high = min(_WHOLE[1], end / 2)  # slip reaches 2 V, and more
+            speeds = np.geomspace(_WHOLE[0], high, _LOOKS)
+            strong = np.flatnonzero(np.r_[True, self._strong(speeds), True])
+            first = int(np.diff(strong).argmax())  # of the widest range in which friction is nowhere too strong
+            if strong[first + 1] - strong[first] < _FEWEST:
+                raise NotConverged(f"friction is too strong at every {self.of}; give within=(low, high)")
+            return _spaced(float(speeds[strong[first]]), float(speeds[strong[first + 1] - 2]))
+        unit = self.at(1.0)
+        excess = float((unit.strength / unit.V)[0]) * (self.law.static_value - self.law.onset)
+        slopes = float((unit.slope_scale / unit.impedance)[0])
+        if not max(slopes, excess):
+            raise InputError(f"without a normal force, or a slope of mu, nothing depends on {self.of}")
+        ends = _WEAKEST / max(slopes, excess), _STRONGEST[0] / (slopes or excess)
+        if self.of == "N":
+            return _spaced(*ends)
+        return _spaced(*(end**-2 for end in ends[::-1]))
+
+    def _strong(self, x: float | FloatArray) -> BoolArray:
+        """Return where friction is so strong that thresholds take long, and are not looked for by themselves."""
         points = self.at(x)
-        if not points.N.any():
-            raise InputError(f"without a normal force nothing depends on {self.of}")
-        eta = points.strength / points.V
-        with np.errstate(all="ignore"):
-            mean, error, _ = slope_average(self.law, points.V, criterion=harmonic)
-            off = points.N * mean - self.c
-            near = np.abs(off) <= _NEAR * (np.abs(off + self.c) + abs(self.c)) + points.N * error
-        near[:-1] |= np.sign(off[:-1]) != np.sign(off[1:])
-        near = np.convolve(near & np.isfinite(off) & (self.of in "VN"), np.ones(5), "same") > 0
-        if self.of == "V" and near.any() and obstacle(self.law, math.inf) is None:
-            return x[near]  # far from there the average of a smooth law has the threshold's sign
-        return x[near | ((eta >= _STRENGTHS[0]) & (eta <= _STRENGTHS[1]))]
+        if not points.has_oscillator:
+            return np.zeros(len(points), dtype=bool)
+        excess = points.strength / points.V * (points.law.static_value - points.law.onset)
+        return (points.slope_scale / points.impedance > _STRONGEST[0]) | (excess > _STRONGEST[1])
 
     # -- roots -------------------------------------------------------------------------------------
 
-    def _roots(self, x: FloatArray) -> list[float]:
-        """Return where the excess changes its sign, up to where motions leave the measured speeds."""
+    def _resolved_roots(self, edges: FloatArray) -> tuple[list[Critical], list[tuple[float, float]]]:
+        """Return the values at which thresholds pass c, and the intervals in which that is not decided."""
+        sign = -1.0 if edges[-1] < 0 else 1.0 if edges[0] > 0 else 0.0
 
-        def value(x: float) -> float:
-            return excess(self.at(x), self.c, self.method)
+        def argument(x: float) -> float:
+            return sign * math.log(sign * x) if sign else x
 
-        def value_or_refusal(x: float) -> float:
-            found = value(x)
-            return found if not math.isnan(found) else self._no_threshold(x)
+        def quantity(u: FloatArray | float) -> FloatArray:
+            return np.clip(sign * np.exp(sign * np.asarray(u)) if sign else u, edges[0], edges[-1])
 
-        with np.errstate(all="ignore"):
-            nodes = {place: value(place) for place in x.tolist()}
-            for ends in pairwise(x.tolist()):
-                inside, outside = sorted(ends, key=lambda x: math.isnan(nodes[x]))
-                width = _FLAT * max(map(abs, ends)) if math.isnan(nodes[outside]) else math.inf
-                while abs(outside - inside) > width and not math.isnan(nodes[inside]):
-                    middle = (inside + outside) / 2
-                    nodes[middle] = value(middle)
-                    inside, outside = (inside, middle) if math.isnan(nodes[middle]) else (middle, outside)
-        nodes = {x: nodes[x] for x in sorted(nodes) if not math.isnan(nodes[x])}
-        if x.size and not nodes:
+        def value(u: FloatArray) -> tuple[FloatArray, FloatArray]:
+            value, error = self.thresholds(quantity(u), sketch=False)
+            return value - self.c, error
+
+        def sketch(u: FloatArray) -> tuple[FloatArray, FloatArray]:
+            value, error = self.thresholds(quantity(u), sketch=True)
+            return value - self.c, error
+
+        def off(u: float) -> float:
+            x = float(quantity(u))
+            found = excess(self.at(x), self.c, self.method)
+            return min(max(found, -1.0), 1.0) if not math.isnan(found) else self._no_threshold(x)
+
+        kinks = [float(v) / part for v in self.law.kinks() for part in (1, 2)] if self.of == "V" else []
+        inside = [x for x in kinks if edges[0] < x < edges[-1]]
+        arguments = sorted({argument(x) for x in (*edges.tolist(), *inside)})
+        stretches, missing = self._stretches(sketch, arguments)
+        if not stretches:
             raise NotConverged(f"there is no threshold at any {self.of}; try another method")
-        for low, middle, high in list(zip(nodes, [*nodes][1:], [*nodes][2:], strict=False)):
-            before, here, after = nodes[low], nodes[middle], nodes[high]
-            if before * here > 0 < here * after and abs(here) < min(abs(before), abs(after)):
-                sign = math.copysign(1.0, here)
-                place, beyond = closest(value, low, high, sign, _FLAT * max(abs(low), abs(high)))
-                if sign * beyond < 0:
-                    nodes[place] = beyond
-        places = sorted(nodes)
-        return list(sign_changes(value_or_refusal, places, [nodes[x] for x in places], SIGNS))
+        most, first = (_MOST, sketch) if self.converges else (_MOST_AVERAGES, None)
+        found = [resolve(value, part, rtol=_CLOSE, most=most, sketch=first) for part in stretches]
+        if self.sampled:
+            values, errors = np.array(list(self.sampled.values())).T
+            if (np.abs(values - self.c) <= errors).all():
+                raise NotConverged(f"the threshold is c, within its error, whatever {self.of} is")
+        results = []
+        for root in (root for one in found for root in one.roots()):
+            x, width = float(quantity(root.x)), min(abs(float(quantity(u) - quantity(root.x))) for u in root[1:])
+            with suppress(*NO_RESULT):
+                result = self._result(x, width)
+                if self.converges and abs(result.value - x) < width:
+                    results.append(result)
+                    continue
+            if (polished := _polished(off, root)) is not None:
+                results.append(self._result(float(quantity(polished))))
+        open_ends = [
+            *((part[0], part[-1]) for part in missing),
+            *(ends for one in found for ends in one.unresolved),
+        ]
+        unresolved = [quantity(np.array(ends)).tolist() for ends in joined(sorted(open_ends))]
+        return results, [(low, high) for low, high in unresolved]
+
+    def _stretches(self, value: Sampled, arguments: list[float]) -> list[list[list[float]]]:
+        """Part a range where thresholds end, as where motions leave measured speeds: parts with and without.
+
+        - `arguments`: ascending; they part the range further.
+        """
+        low, high = np.array(arguments[:-1]), np.array(arguments[1:])
+        u = nodes(low, high).ravel()
+        missing = np.isnan(value(u)[0])
+        ends = [arguments[0]]
+        for i in np.flatnonzero(missing[:-1] != missing[1:]).tolist():
+            inside, outside = (u[i], u[i + 1]) if missing[i + 1] else (u[i + 1], u[i])
+            while abs(outside - inside) > _EDGE * max(1.0, abs(inside)):
+                middle = (inside + outside) / 2
+                inside, outside = (
+                    (inside, middle) if np.isnan(value(np.array([middle]))[0][0]) else (middle, outside)
+                )
+            ends += sorted((float(inside), float(outside)))
+        ends.append(arguments[-1])
+        parts = [[a, *(x for x in arguments if a < x < b), b] for a, b in pairwise(ends) if a < b]
+        # Every second part is the narrow one in which thresholds begin or end.
+        there = [i % 4 == (2 if missing[0] else 0) for i in range(len(parts))]
+        return [list(compress(parts, kind)) for kind in (there, map(not_, there))]
 
     def _no_threshold(self, x: float) -> NoReturn:
         raise NotConverged(f"there is no threshold at {self.of} = {x:.6g}; try another method")
@@ -357,10 +541,27 @@ class _Search:
 
     # -- results -----------------------------------------------------------------------------------
 
-    def _result(self, x: float) -> Critical:
-        """Return a root by a step of Newton's method from one close to it; its error is that of the threshold."""
+    def _result(self, x: float, width: float = 0.0) -> Critical:
+        """Return a root by Newton's method from one close to it; its error is that of the threshold.
+
+        - `width`: how far it is to where the threshold turns.
+        """
+        for rtol in (_FINER * self.rtol, TIGHT, TIGHT):
+            one = self._newton(x, max(rtol, TIGHT), width)
+            x, error = one.value, one.relative_error or 0.0  # None of what is defined, not approximated
+            if error <= _FINER * self.rtol:
+                return one
+        if error <= self.rtol:
+            return one
+        raise NotConverged(
+            f"{self.of} = {x:.6g} is known to {error:.1e} relative only, "
+            f"not to rtol = {self.rtol:g}; try another rtol"
+        )
+
+    def _newton(self, x: float, rtol: float, width: float) -> Critical:
+        """Return a root by a step of Newton's method, from a threshold within a tolerance."""
         points = self.at(x)
-        computed, names = ask(points, self.method, max(_FINER * self.rtol, TIGHT))
+        computed, names = ask(points, self.method, rtol)
         value = float(computed.value[0])
         if not names[0] or math.isnan(value):
             self._no_threshold(x)
@@ -370,18 +571,16 @@ class _Search:
         with np.errstate(all="ignore"):
             sensitivity = {name: float(np.divide(-change, own)) for name, change in by.items()}
         step = -sensitivity["c"] * (value - self.c)
-        small = abs(step) < _FLAT * abs(x)
+        # Where it turns at a distance d, a smooth threshold has the curvature 1/d over its slope.
+        near = abs(step) < max(_FLAT * abs(x), _NEAR * width)
         error = None
         if self.criterion is None:
             off = float((computed.relative_error * points.error_base(computed.value))[0])
-            error = (abs(sensitivity["c"]) * off + step**2 / abs(x)) / abs(x) + ROUNDING
-            error += 0.0 if small else abs(step / x)
-            if not error <= self.rtol:
-                raise NotConverged(
-                    f"{self.of} = {x:.6g} is known to {error:.1e} relative only, not to rtol = {self.rtol:g}; "
-                    "try another rtol"
-                )
-        return Critical(self.of, x + step if small else x, self.unit, method.name, error, sensitivity)
+            curved = step**2 / (min(width, abs(x)) or abs(x))
+            error = (abs(sensitivity["c"]) * off + curved) / abs(x) + ROUNDING
+            error += 0.0 if near else abs(step / x)
+        moved = near or (self.criterion is None and abs(step) < abs(x) / 2)
+        return Critical(self.of, x + step if moved else x, self.unit, method.name, error, sensitivity)
 
     def _proved(self, one: Critical) -> Critical:
         """Enclose a value: where the threshold grows with it, the slip returns above it, so minus it is sought."""
@@ -400,5 +599,21 @@ class _Search:
         return replace(one, value=middle, method="proof", relative_error=error, enclosure=enclosure)
 
 
-def _spaced(low: float, high: float) -> FloatArray:
-    return np.geomspace(low, high, max(3, math.ceil(abs(math.log10(high / low)) * _PER_DECADE) + 1))
+def _polished(function: Callable[[float], float], root: Root) -> float | None:
+    """Return where a function changes its sign about a root, up to where it turns; None if it does not."""
+    step = _FLAT * max(1.0, abs(root.x))
+    while root.low < root.high:
+        low, high = max(root.low, root.x - step), min(root.high, root.x + step)
+        below, above = function(low), function(high)
+        if below * above <= 0:
+            tolerance = SIGNS * max(1.0, abs(root.x))
+            return float(brentq(function, low, high, xtol=tolerance)) if below != above else root.x
+        if (low, high) == (root.low, root.high):
+            return None
+        step *= _WIDER
+    return root.x
+
+
+def _spaced(low: float, high: float) -> list[float]:
+    count = max(1, round(math.log10(high / low) / _DECADES_EACH))
+    return [float(x) for x in np.geomspace(low, high, count + 1)]

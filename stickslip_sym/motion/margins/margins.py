@@ -17,6 +17,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.margins.critical import Critical, critical, excess
+from stickslip_sym.motion.simulation.cycle import stick_slip_cycle
 from stickslip_sym.motion.thresholds.methods import Method
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.motion.thresholds.uncertainty import standard_errors
@@ -93,9 +94,14 @@ class Margins(Report):
         The same from seeded samples of the quantities, normal and correlated as they are.
     refused : mapping of str to str
         Quantities whose critical values could not be found, and why.
+    open : mapping of str to tuple of (float, float)
+        Quantities of which more critical values may lie within some intervals, or thresholds are not there.
+    sticks : bool or None
+        Whether the mass sticks where it comes to the belt's speed; None where c lies above the threshold, or that
+        is not known. Where friction is weak, or mu(0) is 0, it overtakes the belt and slips on.
     """
 
-    reported = ("stick_slip", "threshold", "rows", "probability", "sampled", "refused")
+    reported = ("stick_slip", "sticks", "threshold", "rows", "probability", "sampled", "refused", "open")
 
     threshold: Threshold
     c: float
@@ -103,11 +109,13 @@ class Margins(Report):
     probability: float | None
     sampled: Sampled | None
     refused: Mapping[str, str]
+    open: Mapping[str, tuple[tuple[float, float], ...]]
+    sticks: bool | None
 
     @property
     def stick_slip(self) -> bool:
-        """Whether stick-slip is possible: c lies below the threshold."""
-        return bool(self.c < self.threshold.value)
+        """Whether stick-slip is possible: c lies below the threshold, and the mass is held at the belt's speed."""
+        return bool(self.c < self.threshold.value) and self.sticks is not False
 
     def _parts(self) -> list[str | Rows]:
         rows = []
@@ -117,15 +125,24 @@ class Margins(Report):
             rows.append([row.name, f"{row.value:.6g}", *ends, change])
         header = ["quantity", "value", "critical below", "critical above", "smallest change"]
         lines = [f"{name}: {why}" for name, why in self.refused.items()]
+        for name, intervals in self.open.items():
+            gaps = ", ".join(f"{low:.6g} to {high:.6g}" for low, high in intervals)
+            lines.append(f"{name}: not decided, or without a threshold, from {gaps}")
         if self.probability is not None:
-            lines.append(f"probability that stick-slip is possible: {self.probability:.3g} (first order)")
+            what = "the mass comes to the belt's speed" if self.sticks is False else "stick-slip is possible"
+            lines.append(f"probability that {what}: {self.probability:.3g} (first order)")
         if self.sampled is not None:
             lines[-1] += f", {self.sampled}"
         return [self._head, (header, rows), *lines]
 
     @property
     def _head(self) -> str:
-        state = "stick-slip is possible" if self.stick_slip else "no stick-slip"
+        if abs(self.c - self.threshold.value) <= (self.threshold.error or 0.0):
+            state = "the damping is the pure-slip damping, within its error"
+        elif self.stick_slip:
+            state = "stick-slip is possible"
+        else:
+            state = "no stick-slip" if self.sticks is None else "the mass overtakes the belt, and does not stick"
         return f"{state}: c = {self.c:.6g} kg/s, pure-slip damping {self.threshold}"
 
     def __repr__(self) -> str:
@@ -198,7 +215,7 @@ def margins(
     with deadline.time_limit(time_limit):
         numbers = {name: carried.get(name, quantities[name]) for name in "VNmk"}
         threshold = pure_slip_damping(law, **numbers, method=method, rtol=rtol)
-        rows, refused = [], {}
+        rows, refused, open_ = [], {}, {}
         for name, value in (quantities | {p: float(v) for p, v in law.values.items()}).items():
             if value == 0:
                 continue
@@ -213,10 +230,16 @@ def margins(
                 continue
             below = [one for one in found if one.value <= value]
             above = found[len(below) :]
+            if found.unresolved:
+                open_[name] = found.unresolved
             rows.append(Margin(name, value, below[-1] if below else None, above[0] if above else None))
         probability, sampled = _probabilities(threshold, osc.c, carried.get("c"), samples)
+        sticks = None
+        if osc.c < threshold.value and threshold.points.has_oscillator:
+            with suppress(*NO_RESULT):
+                sticks = stick_slip_cycle(law, osc) is not None
     rows.sort(key=lambda row: abs(row.change))
-    return Margins(threshold, osc.c, tuple(rows), probability, sampled, refused)
+    return Margins(threshold, osc.c, tuple(rows), probability, sampled, refused, open_, sticks)
 
 
 def carried_by(osc: Oscillator, errors: Mapping[str, str | UFloat]) -> dict[str, UFloat]:

@@ -53,9 +53,11 @@ ROUNDING = 1e-14
 _COARSE = 1e-5  # tolerance of the first steps
 _SHARE = 0.03  # of the error of the damping ratio that is wanted, a tolerance
 _STRONG, _STIFF = 30.0, 1e-9  # eta from which halves are stiff, and the tolerance there, unless digits are wanted
+_SKETCH = 1e-6  # or unless coarse steps suffice; below `_COARSE`, so that steps that fail are no creeping half
 _LOOSER = 10.0  # of the tolerance, for the estimate of what the integration is off
 _NEAR = 1e-2  # gap at which the tight tolerance is taken
 _ROUGH = 1e-4  # gap above which coarse steps show its sign, and relative error of the slope by them
+_CURVED = 10.0  # times the square of a gap, that it bends by up to its root
 _SLOW = 0.5  # of the gap before, above which the tight steps are as good as they get
 _UNSURE = 10.0  # times what the steps are off, above which a gap is none of theirs
 _DONE = 1e-10  # gap after which the next secant is the last one
@@ -212,8 +214,12 @@ def sure_gap(rise: Rise, eta: float, zeta: float, push: float, A: float, rtol: f
 
 
 @compilable
-def needed(rise: Rise, eta: float, push: float, A: float, tight: float) -> Needed:
-    """Search for the damping ratio that an orbit needs; `tight` is the tolerance of the last steps."""
+def needed(rise: Rise, eta: float, push: float, A: float, tight: float, rough: float) -> Needed:
+    """Search for the damping ratio that an orbit needs.
+
+    - `tight`: tolerance of the last steps.
+    - `rough`: relative error for which coarse steps suffice; 0 if they never do.
+    """
     unwanted = no_wedge(rise)
     by_zeta = Wedge(0.0, -2.0, 0.0, rise.pieces, unwanted.shifts, True)
     low, high, slope = -math.inf, math.inf, _FALL
@@ -223,7 +229,7 @@ def needed(rise: Rise, eta: float, push: float, A: float, tight: float) -> Neede
         return Needed(End.CLOSED, 0.0, 0.0, low, high)
     if not largest < _WILD:
         return Needed(End.FAILED, zeta, math.inf, low, high)
-    rtol = _STIFF if abs(eta) > _STRONG else _COARSE
+    rtol = (_SKETCH if rough > 0.0 else _STIFF) if abs(eta) > _STRONG else _COARSE
     before, gap_before, beyond = math.nan, math.nan, False
     for _ in range(_MOST_GAPS):
         coarse = rtol > tight
@@ -259,6 +265,20 @@ def needed(rise: Rise, eta: float, push: float, A: float, tight: float) -> Neede
             error = _spread(rise, eta, push, A, _LOOSER * tight, low, high)
             end = End.CLOSED if error < math.inf else End.FAILED
             return Needed(end, zeta, error + PRECISE * largest, low, high)
+        if coarse and rough > 0.0 and not beyond:
+            if abs(value) <= _NEAR and slope == by:
+                off = _LOOSER * _ROUGH + _CURVED * value * value
+                if off / -slope > rough * abs(zeta):
+                    closer = gap(rise, eta, zeta, push, A, _STIFF, unwanted).value
+                    value, off = closer, abs(closer - value) + _CURVED * closer * closer + rounding + _DONE
+                if off / -slope <= rough * max(abs(zeta), _ROUGH * largest):
+                    error = off / -slope + PRECISE * largest
+                    return Needed(End.CLOSED, zeta - value / slope, error, low, high)
+                if abs(value) > _ROUGH:
+                    zeta, gap_before = zeta - value / slope, math.nan
+                    continue
+            elif math.isfinite(high - low) and high - low <= rough * max(abs(low), abs(high)):
+                return Needed(End.CLOSED, 0.5 * (low + high), high - low, low, high)
         if coarse and abs(value) <= _NEAR:
             zeta, rtol, low, high, gap_before = zeta - value / slope, tight, -math.inf, math.inf, math.nan
             continue
@@ -283,9 +303,18 @@ def needed_all(rise: Rise, columns: Any, tight: float, rows: Any) -> None:
     """Search for the damping ratios that many orbits need, from eta, push and A to rows as a `Needed` has them."""
     eta, push, A = columns
     for i in range(len(A)):
-        need = needed(rise, eta[i], push[i], A[i], tight)
+        need = needed(rise, eta[i], push[i], A[i], tight, 0.0)
         rows[i, 0] = need.end.value
         rows[i, 1], rows[i, 2], rows[i, 3], rows[i, 4] = need.zeta, need.error, need.low, need.high
+
+
+@compilable
+def rough_all(rise: Rise, columns: Any, rough: float, rows: Any) -> None:
+    """Search by coarse steps where they suffice, from eta and push to the end, the damping ratio and its error."""
+    eta, push = columns
+    for i in range(len(eta)):
+        need = needed(rise, eta[i], push[i], 1.0, TIGHT, rough)
+        rows[i, 0], rows[i, 1], rows[i, 2] = need.end.value, need.zeta, need.error
 
 
 @compilable
@@ -333,6 +362,20 @@ def _spread(rise: Rise, eta: float, push: float, A: float, rtol: float, low: flo
             return high - low + step
         step *= 10.0
     return math.inf
+
+
+def rough_ratio(system: Dimensionless, rtol: float, *, fast: bool = False) -> tuple[float, float]:
+    """Return the damping ratio at which the slip from P grazes w = 1, by coarse steps if they do, and its error.
+
+    - `fast`: compiled where numba is there.
+
+    Both are NaN where there is none; raises `OutOfTime` when the time of a `time_limit` is up.
+    """
+    orbit, rows = [np.array([value]) for value in (system.eta, system.push(1))], np.empty((1, 3))
+    system.spread(rough_all, orbit, (rtol,), rows, few=0 if fast else 1)
+    check_time()
+    end, zeta, error = rows[0].tolist()
+    return (zeta, error) if end == End.CLOSED else (math.nan, math.nan)
 
 
 def needed_ratio(

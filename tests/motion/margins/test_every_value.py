@@ -1,0 +1,98 @@
+"""Critical values at strong and at weak friction, close together, and what is said of values not looked at."""
+
+import math
+
+import numpy as np
+import pytest
+from commands import inside, read_json
+
+import stickslip_sym as ss
+from stickslip_sym.motion.margins import critical as module
+
+POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+
+
+def without(point, of):
+    return {name: value for name, value in point.items() if name != of}
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_threshold_put_in_as_damping_is_found_again(seed):
+    """At belt speeds far below all that N/(V sqrt(k m)) up to 100 allows; by N, m or k, static excess or not."""
+    rng = np.random.default_rng(seed)
+    V = 10 ** rng.uniform(-4, -2)
+    law = ss.laws.exponential.typical(alpha=rng.uniform(0.3, 1) / V)
+    if seed == 2:
+        law = law.with_static(0.52)
+    point = {"V": V, "N": 10 ** rng.uniform(0, 1), "m": 1.0, "k": 100 * (rng.uniform(0.5, 1) / V) ** 2}
+    c = ss.pure_slip_damping(law, **point, rtol=1e-12).value
+    of = ("m", "k", "N")[seed]
+    found = ss.critical(law, of, c=c, **without(point, of))
+    assert min(abs(one.value / point[of] - 1) for one in found) < 1e-3
+    for one in found:
+        assert ss.pure_slip_damping(law, **point | {of: one.value}, rtol=1e-9).value == pytest.approx(c, rel=1e-7)
+    assert found.looked[0] < point[of] < found.looked[1]
+    assert f"{of} was looked at from " in str(found)
+
+
+@pytest.mark.parametrize("above", [0.0, 1e-3])
+def test_two_at_an_extremum_of_strong_friction(above):
+    """Where the gap of both halves is infinite, on either side: above the highest threshold there is none."""
+    law, point = ss.laws.lorentzian.typical(), POINT | {"N": 60.0}
+    places = np.linspace(0.2, 1.2, 21)
+    highest = max(ss.pure_slip_damping(law.bind(v_s=x), **point).value for x in places)
+    found = ss.critical(law, "v_s", c=highest * (0.999 + 10 * above), **point, within=(0.2, 1.2))
+    assert len(found) == (0 if above else 2)
+    assert found.unresolved == ()
+
+
+def test_what_the_budget_leaves_open_is_said(monkeypatch):
+    """In words, and as data: within which values."""
+    monkeypatch.setattr(module, "_MOST_AVERAGES", 20)
+    law = ss.FrictionLaw("0.4 - 0.1*v + 0.02*sin(10*a)*v").bind(a=1)
+    found = ss.critical(law, "a", c=0.981, V=0.5, N=9.81, within=(0.5, 2))
+    assert found.unresolved == ((0.5, 2.0),)
+    assert "a was looked at from 0.5 to 2; not decided, or without a threshold: 0.5 to 2" in str(found)
+    monkeypatch.undo()
+    whole = ss.critical(law, "a", c=0.981, V=0.5, N=9.81, within=(0.5, 2))
+    zeros = np.arange(math.ceil(5 / math.pi), 20 / math.pi) * math.pi / 10
+    assert [one.value for one in whole] == pytest.approx(zeros[zeros < 2], rel=1e-6)
+
+
+def test_a_threshold_that_is_c_everywhere_is_no_list_of_values():
+    law = ss.FrictionLaw("0.45 - 0.3*Min(v, 0.4) + 0.3*Max(v - 0.4, 0)")
+    with pytest.raises(ss.NotConverged, match="the threshold is c, within its error, whatever N is"):
+        ss.critical(law, "N", c=0.0, V=0.4, m=1, k=100, within=(1, 20))
+
+
+def test_where_it_was_looked_is_in_text_and_json():
+    given = "critical", "exponential", "--of", "alpha", "-c", "2", "--within", "1:6"
+    assert "alpha was looked at from 1 to 6" in inside(*given).stdout
+    found = read_json(inside(*given, "--json").stdout)
+    assert (found["looked"], found["unresolved"]) == ([1, 6], [])
+
+
+WORDS = {
+    "overtakes": (
+        ss.laws.exponential.typical(),
+        {"N": 0.05, "c": 0.0},
+        "the mass overtakes the belt, and does not",
+    ),
+    "mu(0) = 0": (
+        ss.FrictionLaw("0.5*tanh(20*v)*exp(-v)"),
+        {"c": 0.1},
+        "the mass overtakes the belt, and does not",
+    ),
+    "sticks": (ss.laws.exponential.typical(), {"c": 1.0}, "stick-slip is possible"),
+    "slips": (ss.laws.exponential.typical(), {"c": 4.0}, "no stick-slip"),
+}
+
+
+@pytest.mark.parametrize("name", WORDS)
+def test_margins_say_what_the_motion_does(name):
+    """As the stick-slip cycle that is there, or not."""
+    law, changes, words = WORDS[name]
+    osc = ss.Oscillator(**POINT | changes)
+    found = ss.margins(law, osc, reach=1.02, samples=0)
+    assert str(found).startswith(words)
+    assert found.stick_slip == (ss.stick_slip_cycle(law, osc) is not None)
