@@ -67,6 +67,7 @@ def test_a_slider_moved_shows_what_python_computes(page, tmp_path):
     assert np.max(np.abs(np.array(at_own["y"])[rows] - y)) < 2e-2 * np.ptp(y)
 
 
+@pytest.mark.thorough
 def test_kinked_and_measured_laws_have_a_page_and_user_s_words_are_no_code(tmp_path):
     require_browser(tmp_path)
     evil = "</script><script>alert(1)</script><!--"
