@@ -43,6 +43,15 @@ def test_imports_against_their_direction_are_noticed(tmp_path):
     assert (code, "stickslip_sym.motion is not allowed to import stickslip_sym.formula" in said) == (1, True)
 
 
+def test_the_top_level_holds_what_it_should():
+    """A file that a command wrote, and was committed with the rest, is noticed."""
+    folders = {"derivations", "paper_checks", "stickslip_sym", "tests"}
+    files = {"CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE", "README.md", "pyproject.toml"}
+    made = {"build", "dist", "PKG-INFO", "setup.cfg"}  # by builds, and in an unpacked sdist
+    found = {path.name for path in ROOT.iterdir() if not path.name.startswith((".", "__"))}
+    assert {name for name in found - made if not name.endswith(".egg-info")} == folders | files
+
+
 def test_declared_pythons_are_those_of_the_workflow():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     classified = [line.split()[-1] for line in project["classifiers"] if line.startswith("Programming Language")]
