@@ -75,6 +75,11 @@ class FrictionLaw:
         The curve through measured points; None for a law that is a formula.
     name, source, validity : str or None
 
+    Notes
+    -----
+    At a jump mu is the value of the piece above it, whether a condition reads `v < place` or `v <= place`: friction
+    takes any value between both there, and no motion, average or threshold depends on which is named.
+
     Examples
     --------
     >>> FrictionLaw("mu_m + (mu_s - mu_m)*exp(-alpha*v)").bind(mu_s=0.5, mu_m=0.2, alpha=3.0).mu(0.0)

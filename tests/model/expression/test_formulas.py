@@ -191,6 +191,12 @@ def test_chains_of_conditions_hold_in_the_order_in_which_they_stand():
             assert mu == pytest.approx(i + 1 + i * v, rel=1e-14), (inner, v)
 
 
+def test_a_law_at_its_jump_is_the_piece_above_it_however_the_condition_reads():
+    laws = [ss.FrictionLaw(f"Piecewise((0.5, v {relation} 1), (0.3, True))") for relation in ("<", "<=")]
+    assert laws[0] == laws[1]
+    assert laws[0].mu([np.nextafter(1, 0), 1, np.nextafter(1, 2)]).tolist() == [0.5, 0.3, 0.3]
+
+
 def test_sympy_gives_the_law_of_the_text():
     a, b, v = sp.symbols("a b v", positive=True)
     for expr, text in (
