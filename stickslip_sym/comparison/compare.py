@@ -116,10 +116,10 @@ def measured(
         return Row(method, setting=setting, seconds=process_time() - begin, reason=str(error))
 
 
-def of_threshold(found: Threshold) -> dict[str, Any]:
+def of_threshold(threshold: Threshold) -> dict[str, Any]:
     """Return what stands in a row of a threshold."""
-    known = {name: getattr(found, name) for name in ("value", "relative_error", "status")}
-    return known | {"threshold": found}
+    values = {name: getattr(threshold, name) for name in ("value", "relative_error", "status")}
+    return values | {"threshold": threshold}
 
 
 @dataclass(frozen=True, repr=False)

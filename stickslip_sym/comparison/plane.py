@@ -42,20 +42,20 @@ def plane(law: FrictionLaw, given: Mapping[str, float | UFloat], speed: float) -
 
     def exact(V: FloatArray) -> FloatArray:
         try:
-            found = pure_slip_damping(law, V=V, N=given["N"], m=given["m"], k=given["k"], rtol=_DRAWN)
+            threshold = pure_slip_damping(law, V=V, N=given["N"], m=given["m"], k=given["k"], rtol=_DRAWN)
         except (NotConverged, NoThreshold):
-            return np.full((2, 1), np.nan) if len(V) == 1 else np.hstack([exact(one) for one in V[:, None]])
-        spread = 0.0 if found.budget is None else found.budget.uncertainty
-        return np.array([found.value, np.broadcast_to(spread, V.shape)])
+            return np.full((2, 1), np.nan) if len(V) == 1 else np.hstack([exact(speed) for speed in V[:, None]])
+        spread = 0.0 if threshold.budget is None else threshold.budget.uncertainty
+        return np.array([threshold.value, np.broadcast_to(spread, V.shape)])
 
     return {"V": V, **averages, **dict(zip(("exact", "standard error"), exact(V), strict=True))}
 
 
 def draw_plane(
-    ax: Any, found: Plane, osc: Oscillator, spread: Mapping[str, float], point: str = "operating point"
+    ax: Any, curves: Plane, osc: Oscillator, spread: Mapping[str, float], point: str = "operating point"
 ) -> None:
     """Draw the thresholds over belt speed, what exists between them, and a point with its error bars."""
-    V, rest, exact = (found[name] for name in ("V", "equilibrium", "exact"))
+    V, rest, exact = (curves[name] for name in ("V", "equilibrium", "exact"))
     # Opaque: an SVG gives a hatch the opacity of its face.
     both: Look = {"facecolor": "#fcf0e8", "edgecolor": ORANGE, "hatch": "////", "linewidth": 0}
     slips: Look = {"facecolor": "#e8f6f1", "edgecolor": GREEN, "hatch": r"\\\\..", "linewidth": 0}
@@ -65,14 +65,14 @@ def draw_plane(
     ):
         if (where := upper > lower).any():  # where neither is NaN
             ax.fill_between(V, lower, upper, where=where, label=label, **style)
-    if np.nanmax(found["standard error"], initial=0.0) > 0:
-        half = BAND * found["standard error"]
+    if np.nanmax(curves["standard error"], initial=0.0) > 0:
+        half = BAND * curves["standard error"]
         shade: Look = {"color": "#56B4E9", "alpha": 0.45, "linewidth": 0}
         ax.fill_between(V, exact - half, exact + half, label="95 % band", **shade)
     ax.plot(V, exact, color=BLUE, linewidth=2, label="threshold")
     for name, (color, dashes) in (_AVERAGES | _EXPANSION).items():
-        if name in found:
-            ax.plot(V, found[name], color=color, linestyle=dashes, label=name.replace("_", " "))
+        if name in curves:
+            ax.plot(V, curves[name], color=color, linestyle=dashes, label=name.replace("_", " "))
     ax.errorbar(
         [osc.V], [osc.c], [spread["c"]], [spread["V"]], fmt="o", color="black", markersize=6,
         markerfacecolor="white", markeredgewidth=1.5, zorder=5, label=point,
@@ -88,14 +88,14 @@ def draw_plane(
 def figure_of(law: FrictionLaw, point: Mapping[str, float | UFloat], threshold: Threshold) -> "Figure":
     """Return the plane at V, N, m and k, the expansion in it, with the threshold that was computed at V."""
     nominal = {name: getattr(value, "nominal_value", value) for name, value in point.items()}
-    found = plane(law, point, nominal["V"])
+    curves = plane(law, point, nominal["V"])
     rest = {name: nominal[name] for name in "Nmk"}
     with suppress(StickSlipError):  # a law with kinks has none
-        found["second_order"] = pure_slip_damping(law, V=found["V"], **rest, method="second_order").value
+        curves["second_order"] = pure_slip_damping(law, V=curves["V"], **rest, method="second_order").value
     spread = {"V": BAND * getattr(point["V"], "std_dev", 0.0), "c": BAND * (threshold.uncertainty or 0.0)}
     with styled():
         figure: Figure
         figure, axes = new_figure(*_SIZE)
         at = Oscillator(c=threshold.value, **nominal)
-        draw_plane(axes[0, 0], found, at, spread, f"{threshold.method} at $V$ = {nominal['V']:.4g} m/s")
+        draw_plane(axes[0, 0], curves, at, spread, f"{threshold.method} at $V$ = {nominal['V']:.4g} m/s")
     return figure

@@ -99,7 +99,7 @@ class Trade(Comparison):
             name: [other for other, cost in costs.items() if cost != mine and np.less_equal(cost, mine).all()]
             for name, mine in costs.items()
         }
-        return {row.name: tuple(one for one in by.get(row.name, ()) if not by[one]) for row in self.rows}
+        return {row.name: tuple(name for name in by.get(row.name, ()) if not by[name]) for row in self.rows}
 
     def _columns(self) -> dict[str, Callable[[Row], str]]:
         columns, by = super()._columns(), self.dominators
@@ -165,7 +165,7 @@ class Tradeoff(drawing.Drawn):
 
     def _repr_html_(self) -> str:
         picture = drawing.picture(self.plot, repr(self))
-        return markup.block(picture, *(markup.Markup(one._repr_html_()) for one in self.trades.values()))
+        return markup.block(picture, *(markup.Markup(trade._repr_html_()) for trade in self.trades.values()))
 
     def _figure(self) -> Figure:
         figure: Figure
@@ -243,16 +243,16 @@ def tradeoff(
         "threshold": lambda: _threshold(law, numbers),
         "basin": lambda: _basin(law, numbers, damping),
     }
-    found, errors = dict[str, Trade](), dict[str, StickSlipError]()
+    kept, errors = dict[str, Trade](), dict[str, StickSlipError]()
     with deadline.time_limit(time_limit):
         for kind in kinds:
             try:
-                found[kind] = trades[kind]()
+                kept[kind] = trades[kind]()
             except StickSlipError as error:
                 errors[kind] = error
-    if not found:
+    if not kept:
         raise next(iter(errors.values()))
-    return Tradeoff(found, {kind: str(error) for kind, error in errors.items()})
+    return Tradeoff(kept, {kind: str(error) for kind, error in errors.items()})
 
 
 def _title(what: str, law: FrictionLaw, point: Mapping[str, object]) -> str:
@@ -346,18 +346,18 @@ def _threshold(law: FrictionLaw, point: Mapping[str, float]) -> Trade:
         except OutOfTime:
             break
 
-    def error(found: Threshold, reference: float) -> float:
+    def error(threshold: Threshold, reference: float) -> float:
         """Return the error against the orbit; the orbit's own is its estimate, and that of a proof its bound."""
-        own = found.method == "orbit" or found.status is Status.PROVED
-        return float(found.relative_error) if own else abs(found.value / reference - 1)
+        own = threshold.method == "orbit" or threshold.status is Status.PROVED
+        return float(threshold.relative_error) if own else abs(threshold.value / reference - 1)
 
-    def judge(found: Threshold) -> dict[str, Any]:
+    def judge(threshold: Threshold) -> dict[str, Any]:
         try:
-            errors = [error(by(found.method, V), there) for V, there in references.items() if there > 0]
+            errors = [error(by(threshold.method, V), there) for V, there in references.items() if there > 0]
         except (OutOfTime, NotConverged, NoThreshold):
             errors = []
         further = {_LARGEST: max(errors)} if errors else {}
-        return of_threshold(found) | {"relative_error": error(found, right), "further": further}
+        return of_threshold(threshold) | {"relative_error": error(threshold, right), "further": further}
 
     def judge_number(value: float) -> dict[str, Any]:
         return {"value": value, "relative_error": abs(value / right - 1), "status": Status.ESTIMATED}
@@ -400,11 +400,11 @@ def _basin(law: FrictionLaw, point: Mapping[str, float], c: float | None) -> Tra
     ]
 
     def sampled(decide: Callable[[float, float], bool], count: int) -> list[bool]:
-        found = []
+        decisions = []
         for x, v in initial[:count]:
             deadline.check_time()
-            found.append(decide(x, v))
-        return found
+            decisions.append(decide(x, v))
+        return decisions
 
     def judge(decided: list[bool]) -> dict[str, Any]:
         share, spread = float(np.mean(decided)), math.sqrt(right.value * (1 - right.value) / len(decided))

@@ -359,15 +359,15 @@ def _differentiated(term: Term, criterion: Criterion, parameter: Expr) -> list[T
             for shape, meaning in term.shapes.items()
         ),
     ]
-    found = []
+    terms = []
     for variable, share, profile in shares:
         if share == 0 or profile == 0:
             continue
         if variable is not None:
             average_of(profile, criterion).offer(average, variable)
         shapes = {shape: term.shapes[shape] for shape in shapes_of(profile)}
-        found.append(Term(sp.factor(share), scale, profile, shapes))
-    return found
+        terms.append(Term(sp.factor(share), scale, profile, shapes))
+    return terms
 
 
 def _derived(law: FrictionLaw, criterion: Criterion, search: bool, at: Progress) -> ClosedForm:

@@ -98,7 +98,7 @@ def _by_mpmath(node: Expr, arguments: list[acb]) -> acb:
                 if radius := in_mpmath(arb(argument.rad())):
                     step = mpmath.mpc(radius, radius) if argument.imag != 0 else radius
                     moved = [value([*places[:i], places[i] + way * step, *places[i + 1 :]]) for way in (1, -1)]
-                    error += 2 * sum(abs(one - rough) for one in moved)
+                    error += 2 * sum(abs(value - rough) for value in moved)
         with mpmath.workprec(ctx.prec + _MORE):
             fine = value(places)
             error += 2 * abs(fine - rough)

@@ -199,8 +199,8 @@ def _about(law: FrictionLaw, mark: str, names: Mapping[str, str]) -> Iterator[st
 
 
 def _meaning(text: str, names: Mapping[str, str]) -> str:
-    before, found, after = text.replace("|x' - V|", "|V - x'|").partition("|V - x'|")
-    speed = f"$|{names['V']} - \\dot{{{names['x']}}}|$" if found else ""
+    before, slip, after = text.replace("|x' - V|", "|V - x'|").partition("|V - x'|")
+    speed = f"$|{names['V']} - \\dot{{{names['x']}}}|$" if slip else ""
     return f"\\raggedright {prose(before, names)}{speed}{prose(after, names)}"
 
 
@@ -258,22 +258,22 @@ def _stated(left: str, value: Expr, names: Mapping[str, str], relation: str) -> 
 
 
 def _zeros(form: ClosedForm, names: Mapping[str, str]) -> str:
-    found, V = zeros(form), names["V"]
-    if found.everywhere:
+    vanishing, V = zeros(form), names["V"]
+    if vanishing.everywhere:
         return "It is $0$ at all belt speeds."
-    if found.formula is not None:
-        return f"It vanishes at the transition speed {_stated(V, found.formula, names, '=')}"
-    if found.values is None:
+    if vanishing.formula is not None:
+        return f"It vanishes at the transition speed {_stated(V, vanishing.formula, names, '=')}"
+    if vanishing.values is None:
         return "No formula was found for its zeros, the transition speeds of the undamped oscillator."
     said = "For the typical values it vanishes "
-    said += " and ".join(f"at ${V} = {value:.6g}$\\,m/s" for value in found.values)
-    said += ", and nowhere else" if found.values else "nowhere"
-    if found.between is not None:
-        said += f" for {_between(found.between, V)}"
-    if found.undecided:
-        ranges = " and ".join(_between(ends, V) for ends in found.undecided)
+    said += " and ".join(f"at ${V} = {value:.6g}$\\,m/s" for value in vanishing.values)
+    said += ", and nowhere else" if vanishing.values else "nowhere"
+    if vanishing.between is not None:
+        said += f" for {_between(vanishing.between, V)}"
+    if vanishing.undecided:
+        ranges = " and ".join(_between(ends, V) for ends in vanishing.undecided)
         return f"{said}; undecided is whether it does for {ranges}."
-    if found.values:
+    if vanishing.values:
         return f"{said}; no formula for this is known here."
     return f"{said}: there is no transition speed without damping."
 

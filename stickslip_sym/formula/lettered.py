@@ -33,7 +33,7 @@ def lettered(form: ClosedForm) -> tuple[ClosedForm, dict[Expr, Expr]]:
     letter = next(free, "number")
     given = [Parameter(f"{letter}_{count}") for count in range(1, len(long) + 1)]
     letters, written = dict[Expr, Expr](), dict[Expr, Expr]()
-    for number, symbol in zip(long, (one.symbol for one in given), strict=True):
+    for number, symbol in zip(long, (letter.symbol for letter in given), strict=True):
         inverse = number.is_Rational and is_over_decimal(number)
         letters[symbol] = 1 / number if inverse else number
         written |= {sign * number: sign * (1 / symbol if inverse else symbol) for sign in (1, -1)}

@@ -46,8 +46,8 @@ def limits_of(averages: Iterable[tuple[Term, Average]], mu: Expr) -> Limits:
         share = -symbols.N * term.amplitude / term.scale
         # With V for v, which is positive where the slip speed may be 0: only then SymPy knows that exp(-v) falls.
         slope = without_squares(average.slope).xreplace({symbols.v: V})
-        for found, end in ((_at_rest, ends[0]), (_far, ends[1])):
-            limit = None if found is _far and average.domain else found(slope, average.criterion)
+        for limit_at, end in ((_at_rest, ends[0]), (_far, ends[1])):
+            limit = None if limit_at is _far and average.domain else limit_at(slope, average.criterion)
             end.append(None if limit is None else share * term.in_parameters(limit))
     low, high = (_leading(end, sign) for end, sign in zip(ends, (-1, 1), strict=True))
     return Limits(*(None if total is None else tidy(total, mu, V) for total in (low, high)))

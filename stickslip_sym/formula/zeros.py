@@ -74,9 +74,9 @@ def zeros(form: ClosedForm) -> Zeros:
             case [_]:
                 return Zeros(values=())
             case [((power,), highest), ((0,), constant)]:
-                found = sp.factor(-constant / highest) ** sp.Rational(1, power)
-                if found.is_positive:
-                    return Zeros(found)
+                speed = sp.factor(-constant / highest) ** sp.Rational(1, power)
+                if speed.is_positive:
+                    return Zeros(speed)
     law = form.law.typical()
     if law.missing:
         return Zeros()
@@ -119,7 +119,7 @@ def _isolated(form: ClosedForm, mu: Expr, point: Mapping[Expr, Expr]) -> Zeros:
     average = _Average(mu, point, criterion)
     levels = _CELLS if criterion.weight is not None else (*_CELLS, _FINEST)
     runs = [(_LOWEST * _CELLS[0], _HIGHEST * _CELLS[0])]
-    found: list[float] = []
+    speeds: list[float] = []
     undecided: list[tuple[float, float]] = []
     for count, before in zip(levels, (_CELLS[0], *levels), strict=False):
         waiting: list[tuple[int, int]] = []
@@ -132,28 +132,28 @@ def _isolated(form: ClosedForm, mu: Expr, point: Mapping[Expr, Expr]) -> Zeros:
                 ends = 2.0 ** ((low + start) / count), 2.0 ** ((low + stop) / count)
                 root = _root(form, point, *ends) if monotone and left * right < 0 else None
                 if root is not None:
-                    found.append(root)
+                    speeds.append(root)
                 elif monotone and left * right > 0:
                     continue
                 elif count == levels[-1] or stop - start > count > _CELLS[0]:  # over an octave: not at one speed
                     undecided.append(ends)
                 else:
                     waiting.append((max(low + start - 1, low), min(low + stop + 1, high)))
-        last = sorted(found)[_MOST] if len(found) > _MOST else 2.0**_HIGHEST
+        last = sorted(speeds)[_MOST] if len(speeds) > _MOST else 2.0**_HIGHEST
         runs = [run for run in waiting if 2.0 ** (run[0] / count) < last]
-    return _stated(sorted(found), *between, sorted(undecided))
+    return _stated(sorted(speeds), *between, sorted(undecided))
 
 
-def _stated(found: list[float], low: float, high: float, undecided: list[tuple[float, float]]) -> Zeros:
+def _stated(speeds: list[float], low: float, high: float, undecided: list[tuple[float, float]]) -> Zeros:
     """Return zeros between two belt speeds, but not those beyond many of them, nor what is open at either end."""
     if undecided and undecided[0][0] <= low:
         low = undecided.pop(0)[1]
     if undecided and undecided[-1][1] >= high:
         high = undecided.pop()[0]
-    if len(found) > _MOST:
-        high = (found[_MOST - 1] + found[_MOST]) / 2
-        found, undecided = found[:_MOST], [ends for ends in undecided if ends[0] < high]
-    return Zeros(values=tuple(found), between=(low, high), undecided=tuple(undecided)) if low < high else Zeros()
+    if len(speeds) > _MOST:
+        high = (speeds[_MOST - 1] + speeds[_MOST]) / 2
+        speeds, undecided = speeds[:_MOST], [ends for ends in undecided if ends[0] < high]
+    return Zeros(values=tuple(speeds), between=(low, high), undecided=tuple(undecided)) if low < high else Zeros()
 
 
 def _runs(chosen: NDArray[np.bool_]) -> list[tuple[int, int]]:

@@ -77,8 +77,8 @@ class FrictionLaw:
 
     Notes
     -----
-    At a jump mu is the value of the piece above it, whether a condition reads `v < place` or `v <= place`: friction
-    takes any value between both there, and no motion, average or threshold depends on which is named.
+    At a jump mu is the value of the piece above it, whether a condition reads `v < place` or `v <= place`:
+    friction takes any value between both there, and no motion, average or threshold depends on which is named.
 
     Examples
     --------

@@ -103,7 +103,7 @@ def closest(
     function: Callable[[float], float], low: float, high: float, sign: float, xatol: float
 ) -> tuple[float, float]:
     """Return where a function of a sign comes closest to 0, or beyond it, between two places, and its value."""
-    found = minimize_scalar(
+    nearest = minimize_scalar(
         lambda x: sign * function(x), bounds=(low, high), method="bounded", options={"xatol": xatol}
     )
-    return float(found.x), sign * float(found.fun)
+    return float(nearest.x), sign * float(nearest.fun)

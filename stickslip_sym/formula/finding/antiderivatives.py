@@ -72,8 +72,8 @@ def _by_parts(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
         # In x = a u + b, where W = 0 at x = 0: of a logarithm's power is left a polynomial times a lower one.
         x = sp.Dummy("x", positive=isinstance(function, sp.log) or None, real=True)
         inner = sp.expand(polynomial.subs(u, (x - line[1]) / line[0]) / line[0])
-        found: Expr | None = _by_parts(inner, function.func(x) ** power, x)
-        return None if found is None else found.subs(x, function.args[0])
+        primitive: Expr | None = _by_parts(inner, function.func(x) ** power, x)
+        return None if primitive is None else primitive.subs(x, function.args[0])
     whole, slope = _integral(polynomial, u), sp.diff(function, u)
     factor = sp.cancel(whole * slope) if slope.is_rational_function(u) else whole * slope
     left = antiderivative(power * factor * function ** (power - 1), sp.Integer(1), u)

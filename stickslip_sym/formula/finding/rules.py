@@ -73,14 +73,14 @@ def _averaged(
         if average is None:
             raise NothingFound(reason)
         return (*average, [])
-    found = []
+    applied = []
     for piece in pieces:
         primitive = antiderivative(piece, criterion.kernel, v)
         if primitive is None:
             limit = 0.0 if _is_hopeless(piece) else seconds
             primitive = search.RULE, search.antiderivative(piece, criterion.kernel, v, limit, progress)
-        found.append(primitive)
-    primitives = [primitive for _, primitive in found]
+        applied.append(primitive)
+    primitives = [primitive for _, primitive in applied]
     try:
         values = [
             value_at(primitive, v, high) - value_at(primitive, v, low)
@@ -88,7 +88,7 @@ def _averaged(
         ]
     except ValueError as failure:
         raise NothingFound(str(failure)) from None
-    return ", ".join(dict.fromkeys(rule for rule, _ in found)), sp.Add(*values), primitives
+    return ", ".join(dict.fromkeys(rule for rule, _ in applied)), sp.Add(*values), primitives
 
 
 def _is_hopeless(piece: Expr) -> bool:

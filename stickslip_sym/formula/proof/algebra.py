@@ -277,9 +277,9 @@ class Series:
     @classmethod
     def of(cls, order: int, coefficients: Iterable[Element]) -> "Series":
         """Return a series without its leading zeros."""
-        found = list(coefficients)
-        zeros = next((i for i, c in enumerate(found) if c), len(found))
-        return cls(order + zeros, found[zeros:])
+        elements = list(coefficients)
+        zeros = next((i for i, c in enumerate(elements) if c), len(elements))
+        return cls(order + zeros, elements[zeros:])
 
     @property
     def known(self) -> int:

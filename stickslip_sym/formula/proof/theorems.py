@@ -24,8 +24,8 @@ def _in_integrals_over(variable: Expr, expr: Expr, change: Callable[..., Expr]) 
     """Replace every integral over a variable; `change` takes its integrand and its limits."""
 
     def changed(integral: Expr) -> Expr:
-        found, low, high = single_limit(integral)
-        return change(integral.function, low, high) if found == variable else integral
+        integrated, low, high = single_limit(integral)
+        return change(integral.function, low, high) if integrated == variable else integral
 
     return expr.replace(lambda node: isinstance(node, sp.Integral), changed)
 

@@ -72,7 +72,7 @@ def features_of(
     middles = _thinned((speeds[1:] + speeds[:-1]) / 2)
     turns = np.pi * (len(speeds) - 1)  # a wave that turns faster between evenly spaced speeds is a slower one too
     radians = np.linspace(_TURN, turns, min(int(turns / _TURN), 3 * _MOST_LEVELS))
-    arguments, found, taken = [*free, *bound], list[Feature](), set[int]()
+    arguments, features, taken = [*free, *bound], list[Feature](), set[int]()
 
     def moving(part: Expr) -> list[int]:
         return [i for i in sought if free[i] in part.free_symbols and i not in taken]
@@ -82,7 +82,7 @@ def features_of(
         if moved:
             rates = tuple((i, function_of(arguments, rate, "numpy")) for i, rate in phases)
             measure = function_of(arguments, part, "numpy")
-            found.append(Feature(moved[0], measure, levels, rates, breaks, len(moved) == 1))
+            features.append(Feature(moved[0], measure, levels, rates, breaks, len(moved) == 1))
             taken.update((moved[0], *dict(phases)))
 
     for place in places(expr):
@@ -96,7 +96,7 @@ def features_of(
         if node.is_polynomial(symbols.v) and (degree := sp.degree(node, symbols.v)) in (1, 2):
             highest, lower = sp.Poly(node, symbols.v).all_coeffs()[:2]
             add(-lower / (degree * highest), middles, breaks=False)
-    return found
+    return features
 
 
 def _thinned(levels: FloatArray) -> FloatArray:

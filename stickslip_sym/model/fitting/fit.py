@@ -126,8 +126,8 @@ def _laws(given: str | FrictionLaw | Iterable[str | FrictionLaw] | None) -> dict
     if given is None:
         return dict(catalogue)
     laws: dict[str, FrictionLaw] = {}
-    for one in [given] if isinstance(given, str) or not isinstance(given, Iterable) else given:
-        law = as_law(one)
+    for law_or_formula in [given] if isinstance(given, str) or not isinstance(given, Iterable) else given:
+        law = as_law(law_or_formula)
         name = law.name or law.text
         if law.curve is not None:
             raise InputError(
@@ -221,13 +221,13 @@ def _best(problem: Problem) -> tuple[Minimum | None, list[tuple[int, Minimum]]]:
     for minimum in filter(None, map(coarse.minimum, coarse.starts(_STARTS))):
         if best is not None and abs(minimum.chi_squared - best.chi_squared) <= _SAME * best.chi_squared:
             break
-        best = min(best or minimum, minimum, key=lambda one: one.chi_squared)
+        best = min(best or minimum, minimum, key=lambda reached: reached.chi_squared)
     if best is None:
         return None, []
     rivals = list(coarse.rivals(best.p))
     if coarse is not problem:
         best = problem.minimum(best.p)
-        refined = [(i, problem.minimum(one.p)) for i, one in rivals]
+        refined = [(i, problem.minimum(rival.p)) for i, rival in rivals]
         rivals = [(i, minimum) for i, minimum in refined if minimum is not None]
     return best, rivals
 
@@ -265,14 +265,17 @@ def _order(law: FrictionLaw, problem: Problem, p: FloatArray) -> list[int]:
     """Return the order of values that can change places in which they stand as the typical ones do."""
     order = list(range(len(p)))
     parameters = [law.parameters[name] for name in problem.names]
-    typical = [float(one.typical or i) for i, one in enumerate(parameters)]
+    typical = [float(parameter.typical or i) for i, parameter in enumerate(parameters)]
     amplitudes = [[], *([pair] for pair in combinations(np.flatnonzero(problem.linear).tolist(), 2))]
     for i, j in combinations(np.flatnonzero(~problem.linear).tolist(), 2):
         for more in amplitudes if (p[i] < p[j]) != (typical[i] < typical[j]) else ():
             changed = order.copy()
             for a, b in [(i, j), *more]:
                 changed[a], changed[b] = order[b], order[a]
-            swap = {one.symbol: parameters[place].symbol for one, place in zip(parameters, changed, strict=True)}
+            swap = {
+                parameter.symbol: parameters[place].symbol
+                for parameter, place in zip(parameters, changed, strict=True)
+            }
             if law.expr.xreplace(swap) == law.expr:
                 return changed
     return order

@@ -87,10 +87,10 @@ class Problem:
         with np.errstate(all="ignore"):
             shape = np.broadcast_shapes(self._v.shape, *map(np.shape, p))
             grids = (
-                p if len(shape) == 1 else [np.broadcast_to(one, shape) for one in p]
+                p if len(shape) == 1 else [np.broadcast_to(values, shape) for values in p]
             )  # conditions have one shape
             values = function(np.broadcast_to(self._v, shape), *grids, *self.known)
-            rows = np.array([self._weights * reals(np.broadcast_to(one, shape)) for one in values])
+            rows = np.array([self._weights * reals(np.broadcast_to(column, shape)) for column in values])
             return self.measured.beside_branches(rows)
 
     def minimum(self, start: FloatArray) -> Minimum | None:
@@ -153,10 +153,12 @@ class Problem:
         best = points[np.argsort(self._misfits(points), kind="stable")[:_BEST_OF_GRID]]
         for i, rate in feature.phases:
             turned = best.copy()
-            turned[:, i] *= 1 + np.pi / (turned[:, i] * [abs(float(rate(*one, *self.known))) for one in best])
+            turned[:, i] *= 1 + np.pi / (
+                turned[:, i] * [abs(float(rate(*candidate, *self.known))) for candidate in best]
+            )
             best = np.concatenate([best, turned])
-        tried = [self._with_linear(one) for one in best]
-        return min(tried, key=lambda one: np.nan_to_num(np.sum(self.residuals(one) ** 2), nan=np.inf))
+        tried = [self._with_linear(candidate) for candidate in best]
+        return min(tried, key=lambda candidate: np.nan_to_num(np.sum(self.residuals(candidate) ** 2), nan=np.inf))
 
     def _misfits(self, points: FloatArray) -> FloatArray:
         """Return the sum of squares at each of many values, least over the linear ones of any sign."""
@@ -183,7 +185,7 @@ class Problem:
             block = len(PHASES) ** len(feature.phases)
             misfits = self._misfits(points).reshape(-1, block)
             least, level = misfits.min(axis=1), self.measured_at(feature, best)
-            here = int(np.argmin([abs(self.measured_at(feature, one) - level) for one in points[::block]]))
+            here = int(np.argmin([abs(self.measured_at(feature, node) - level) for node in points[::block]]))
             low = high = here
             while low > 0 and least[low - 1] >= least[low]:
                 low -= 1
@@ -192,10 +194,10 @@ class Problem:
             outside = np.r_[0:low, high + 1 : len(least)]
             if len(outside):
                 row = int(outside[np.argmin(least[outside])])
-                found = self.minimum(self._with_linear(points[row * block + int(np.argmin(misfits[row]))]))
+                minimum = self.minimum(self._with_linear(points[row * block + int(np.argmin(misfits[row]))]))
                 i = feature.moved
-                if found is not None and abs(np.log(found.p[i] / best[i])) > _APART_ON_A_GRID:
-                    yield i, found
+                if minimum is not None and abs(np.log(minimum.p[i] / best[i])) > _APART_ON_A_GRID:
+                    yield i, minimum
 
     def starts(self, count: int) -> list[FloatArray]:
         """Return up to `count` starts that differ, the best of random trials first."""

@@ -231,7 +231,7 @@ class Fit(_Report):
         The rise of chi-squared at the true place is above x with the probability 1 - (1 - exp(-x/2))^2, at most.
         """
         problem = Problem(self.free_law, self.measured)
-        feature = next(one for one in problem.features if problem.names[one.moved] == name)
+        feature = next(feature for feature in problem.features if problem.names[feature.moved] == name)
         p, speeds = np.array(list(self.values.values())), self.measured.speeds
         first = int(np.searchsorted(speeds, problem.measured_at(feature, p)))
         beyond = len(speeds) - first if side > 0 else first  # gaps on this side, and one without an end
@@ -378,7 +378,9 @@ class Fits(_Report, Sequence[Fit]):
         least = ranked[0].aicc
         likelihoods = [math.exp((least - fit.aicc) / 2) if least < math.inf else 1.0 for fit in ranked]
         total = sum(likelihoods)
-        self.fits = tuple(replace(fit, weight=one / total) for fit, one in zip(ranked, likelihoods, strict=True))
+        self.fits = tuple(
+            replace(fit, weight=likelihood / total) for fit, likelihood in zip(ranked, likelihoods, strict=True)
+        )
         self.measured = measured
         self.rejected = dict(rejected)
 
@@ -417,8 +419,8 @@ class Fits(_Report, Sequence[Fit]):
             if fit.weight < _RATHER * self.best.weight:
                 continue
             try:
-                found = quantity(fit.law.bind(**fit.uncertain))
-                rows.append(ByLaw(fit.name, fit.weight, float(found.value), float(found.uncertainty or 0.0)))
+                averaged = quantity(fit.law.bind(**fit.uncertain))
+                rows.append(ByLaw(fit.name, fit.weight, float(averaged.value), float(averaged.uncertainty or 0.0)))
             except StickSlipError as error:
                 refused[fit.name] = str(error)
         if not rows:

@@ -103,7 +103,7 @@ class BasinMap(CellMap):
         return ["motion", "initial conditions", "share of the box"], rows
 
     def _masks(self) -> dict[Region, BoolArray]:
-        return {region: self.motion == one for one, region in regions_of_motions().items()}
+        return {region: self.motion == motion for motion, region in regions_of_motions().items()}
 
     def draw(self, ax: Axes) -> list[Artist]:
         """Draw it, and return the handles of its legend."""
@@ -171,7 +171,7 @@ def basin_map(
     )
     x, v = (axis.values for axis in axes)
     require_few(x.size, v.size)
-    found = kept_regime(law, osc, TIGHT)  # separatrices are few, and decide about many initial conditions
+    plane = kept_regime(law, osc, TIGHT)  # separatrices are few, and decide about many initial conditions
     sides, share = np.full((v.size, x.size), None, dtype=object), dict[Motion, Share]()
 
     def simulated(chosen: BoolArray) -> ObjectArray:
@@ -184,9 +184,9 @@ def basin_map(
     with deadline.time_limit(time_limit):
         with suppress(OutOfTime):
             deadline.check_time()
-            sides = found.by_side(x, v[:, None])
+            sides = plane.by_side(x, v[:, None])
             if min(x.size, v.size) > 1:
-                share = shares_by_area(found, (x[0], x[-1]), (v[0], v[-1]))
+                share = shares_by_area(plane, (x[0], x[-1]), (v[0], v[-1]))
         fates, known = np.full(sides.shape, None, dtype=object), sides.astype(bool)
         chosen = ~known
         sample = np.flatnonzero(known)
@@ -208,26 +208,26 @@ def basin_map(
     if len(notes) - disagreements == motion.size and LATE not in notes.values():
         raise NotConverged(f"every initial condition failed, the first one since {notes[0, 0]}")
     if not share:
-        for one in Motion:
-            if value := float(np.mean(motion == one)):
-                share[one] = Share(value, math.sqrt(value * (1 - value) / motion.size), counted=True)
+        for kind in Motion:
+            if value := float(np.mean(motion == kind)):
+                share[kind] = Share(value, math.sqrt(value * (1 - value) / motion.size), counted=True)
     return BasinMap(
-        axes, law, asdict(osc), motion, found, share, int(fates.astype(bool).sum()), disagreements, notes
+        axes, law, asdict(osc), motion, plane, share, int(fates.astype(bool).sum()), disagreements, notes
     )
 
 
-def shares_by_area(found: Regime, x0: tuple[float, float], v0: tuple[float, float]) -> dict[Motion, Share]:
+def shares_by_area(regime: Regime, x0: tuple[float, float], v0: tuple[float, float]) -> dict[Motion, Share]:
     """Return the shares of a box of initial conditions, by the areas inside the separatrices.
 
     They are empty where separatrices do not settle the basins.
     """
-    if found.basins is None:
+    if regime.basins is None:
         return {}
-    osc, motions, curves = found.oscillator, found.basins, found.separatrices
-    least = [0.0 if one.kind == "graze" else float(one.w(0.0)) for one in curves]
-    q, w = (np.array(x0) - osc.onset(found.law)) / osc.length, np.clip(1 - np.array(v0[::-1]) / osc.V, 0.0, None)
+    osc, motions, curves = regime.oscillator, regime.basins, regime.separatrices
+    least = [0.0 if curve.kind == "graze" else float(curve.w(0.0)) for curve in curves]
+    q, w = (np.array(x0) - osc.onset(regime.law)) / osc.length, np.clip(1 - np.array(v0[::-1]) / osc.V, 0.0, None)
     whole = float(q[1] - q[0]) * (v0[1] - v0[0]) / osc.V
-    both = curves, kept_regime(found.law, osc, ADDED * TIGHT).curves(least)  # again, for the error of the areas
-    shares = np.array([np.diff([0.0, *(one.area_within(q, w) / whole for one in some), 1.0]) for some in both])
-    summed = {motion: shares[:, [one is motion for one in motions]].sum(axis=1).tolist() for motion in motions}
+    both = curves, kept_regime(regime.law, osc, ADDED * TIGHT).curves(least)  # again, for the error of the areas
+    shares = np.array([np.diff([0.0, *(curve.area_within(q, w) / whole for curve in some), 1.0]) for some in both])
+    summed = {motion: shares[:, [kind is motion for kind in motions]].sum(axis=1).tolist() for motion in motions}
     return {motion: Share(value, abs(value - rough) + math.ulp(1.0)) for motion, (value, rough) in summed.items()}

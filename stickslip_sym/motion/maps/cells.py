@@ -112,7 +112,7 @@ def decide(law: FrictionLaw, rtol: float, points: Mapping[str, FloatArray]) -> C
     - `rtol`: a damping that is closer to a threshold, relative to the largest of them, is not decided.
     - `points`: V, N, m, k, c and parameters of the law in place of those it has, an entry for each cell.
     """
-    found = Cells.unknown(len(points["c"]))
+    cells = Cells.unknown(len(points["c"]))
     names = [name for name in points if name in law.parameters]
     bound = cache(lambda *values: law.bind(**dict(zip(names, values, strict=True))))
     kinds, kind = np.unique([points[name] for name in ("V", *names)], axis=1, return_inverse=True)
@@ -121,10 +121,10 @@ def decide(law: FrictionLaw, rtol: float, points: Mapping[str, FloatArray]) -> C
         try:
             check_time()
             decider = _Decider(bound(*values), V, {name: points[name][rows] for name in "Nmkc"}, rtol)
-            found.put(rows, decider.cells())
+            cells.put(rows, decider.cells())
         except StickSlipError as error:
-            found.put(rows, error)
-    return found
+            cells.put(rows, error)
+    return cells
 
 
 @compilable
@@ -263,16 +263,16 @@ class _Decider:
     def _follow(self, cells: Cells, i: int) -> None:
         """Decide one cell by following motions."""
         osc, rtol = self._oscillator(self.system.V, i), self.rtol / ADDED  # so near a separatrix it is not decided
-        found, why = None, ""
+        outcome, why = None, ""
         try:
             check_time()
-            found = regime(self.law, osc, rtol=rtol)
+            outcome = regime(self.law, osc, rtol=rtol)
             cells.motion[i], cells.reason[i] = classify(self.law, osc, rtol=rtol), Reason.SIMULATED
-            why = "; ".join(found.undecided)
+            why = "; ".join(outcome.undecided)
             if cells.motion[i] is Motion.UNDECIDED and not why:
                 why = "the initial condition is within tolerance of a separatrix"
         except StickSlipError as error:
             cells.reason[i], why = _reason_of(error), str(error)
-        cells.attractors[:, i] = [not why and bool(kind.of(found)) for kind in ATTRACTORS]
+        cells.attractors[:, i] = [not why and bool(kind.of(outcome)) for kind in ATTRACTORS]
         if why:
             cells.motion[i], cells.notes[i] = Motion.UNDECIDED, why

@@ -31,19 +31,19 @@ _LOGARITHMIC = 30.0  # ratio of an axis's ends from which equal ratios are drawn
 
 def regions_of_attractors() -> dict[tuple[str, ...], Region]:
     """Return the regions by the names of their attractors."""
-    found: dict[tuple[str, ...], Region] = {(kind.name,): kind.region for kind in ATTRACTORS}
+    regions: dict[tuple[str, ...], Region] = {(kind.name,): kind.region for kind in ATTRACTORS}
     together = [kinds for count in range(2, len(ATTRACTORS) + 1) for kinds in combinations(ATTRACTORS, count)]
     for kinds, (color, hatch), letter in zip(together, cycle(_TOGETHER), cycle(_LETTERS)):
         *first, last = [kind.region.name for kind in kinds]
         name = f"{', '.join(first)} or {last}, by the initial condition"
-        found[tuple(kind.name for kind in kinds)] = Region(name, color, hatch, letter)
-    return found
+        regions[tuple(kind.name for kind in kinds)] = Region(name, color, hatch, letter)
+    return regions
 
 
 def regions_of_motions() -> dict[Motion, Region]:
     """Return the regions of initial conditions by the motions that they lead to."""
-    found = {kind.motion: kind.region._replace(name=f"comes to {kind.region.name}") for kind in ATTRACTORS}
-    return found | NO_ATTRACTOR
+    regions = {kind.motion: kind.region._replace(name=f"comes to {kind.region.name}") for kind in ATTRACTORS}
+    return regions | NO_ATTRACTOR
 
 
 @dataclass(frozen=True, repr=False)
@@ -58,7 +58,7 @@ class CellMap(Table):
 
     def count(self) -> dict[Motion, int]:
         """Return the number of cells of each motion, where there are any."""
-        return {one: n for one in Motion if (n := int((self.motion == one).sum()))}
+        return {motion: n for motion in Motion if (n := int((self.motion == motion).sum()))}
 
     def _summary(self) -> str:
         return ", ".join(f"{n} {motion.value}" for motion, n in self.count().items())

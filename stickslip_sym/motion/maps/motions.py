@@ -94,7 +94,7 @@ class MotionMap(CellMap):
             region: np.all([exists == (name in names) for name, exists in self.attractors.items()], axis=0)
             for names, region in regions_of_attractors().items()
         }
-        masks |= {region: self.motion == one for one, region in NO_ATTRACTOR.items()}
+        masks |= {region: self.motion == motion for motion, region in NO_ATTRACTOR.items()}
         return masks | {FAILED: (self.reason == Reason.FAILED) | (self.reason == Reason.TIME)}
 
 
@@ -173,7 +173,7 @@ def motion_map(
         cells.put(some, part or OutOfTime(LATE))
     # Where c is an axis a threshold is a curve along the other.
     curve = np.s_[:, :1] if names[0] == "c" else np.s_[:1] if names[1] == "c" else np.s_[:]
-    found = MotionMap(
+    table = MotionMap(
         axes, bound, fixed,
         motion=cells.motion.reshape(shape),
         attractors={kind.name: row.reshape(shape) for kind, row in zip(ATTRACTORS, cells.attractors, strict=True)},
@@ -182,6 +182,6 @@ def motion_map(
         notes={divmod(i, shape[1]): cells.notes[i] for i in sorted(cells.notes)},
         interrupted=None in results,
     )  # fmt: skip
-    if (found.reason == Reason.FAILED).all():
-        raise NotConverged(f"every cell failed, the first one since {next(iter(found.notes.values()))}")
-    return found
+    if (table.reason == Reason.FAILED).all():
+        raise NotConverged(f"every cell failed, the first one since {next(iter(table.notes.values()))}")
+    return table

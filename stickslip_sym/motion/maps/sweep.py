@@ -126,7 +126,9 @@ class BasinSweep(Table):
         ax.set(xlabel=self.x.label, ylabel="share of the box of initial conditions", ylim=(0, 1))
         ax.margins(x=0)
         edges = np.vstack([np.zeros(shares.shape[1]), np.cumsum(shares, axis=0)])
-        return [ax.fill_between(values, *edges[i : i + 2], **one.look) for i, one in enumerate(regions.values())]
+        return [
+            ax.fill_between(values, *edges[i : i + 2], **region.look) for i, region in enumerate(regions.values())
+        ]
 
 
 def basin_sweep(
@@ -183,7 +185,7 @@ def basin_sweep(
     values = axis.values.tolist()
     with deadline.time_limit(time_limit):
         regimes = [at(value) for value in values]
-        shares = [shares_by_area(found, *box) for found in regimes]
+        shares = [shares_by_area(regime, *box) for regime in regimes]
         folds, unresolved = _folds(at, values[0], values[-1], axis.name == "c")
         changes = [*_critical(regimes[0].law, regimes[0].oscillator, axis), *folds]
     present = [motion for motion in Motion if any(motion in share for share in shares)]
@@ -215,11 +217,12 @@ def _critical(law: FrictionLaw, osc: Oscillator, axis: Axis) -> list[Change]:
         del kinds["Hopf"]
     changes = []
     for kind, method in kinds.items():
-        for one in critical(law, axis.name, **others, method=method, rtol=_CLOSE, within=(grid[0], grid[-1])):
-            error = ROUNDING * abs(one.sensitivity.get("c", 1.0) * others.get("c", one.value))
-            own = (one.relative_error or 0.0) if kind == "graze" else ROUNDING  # Hopf points are averages, exactly
-            changes.append(Change(kind, one.value, error + own * abs(one.value)))
-    return [one for one in changes if grid[0] <= one.value <= grid[-1]]
+        for root in critical(law, axis.name, **others, method=method, rtol=_CLOSE, within=(grid[0], grid[-1])):
+            error = ROUNDING * abs(root.sensitivity.get("c", 1.0) * others.get("c", root.value))
+            # Hopf points are averages, exactly.
+            own = (root.relative_error or 0.0) if kind == "graze" else ROUNDING
+            changes.append(Change(kind, root.value, error + own * abs(root.value)))
+    return [change for change in changes if grid[0] <= change.value <= grid[-1]]
 
 
 def _folds(
@@ -232,7 +235,8 @@ def _folds(
     if over_damping:
         need, unit = needed_damping(at(low).law, at(low).oscillator), at(low).oscillator.impedance
         folds = [Change("fold", turn.value * unit, turn.error * unit) for turn in need.turns[1:-1]]
-        return [one for one in folds if low <= one.value <= high], [(low, high)] * bool(need.resolved.unresolved)
+        missed = [(low, high)] if need.resolved.unresolved else []
+        return [fold for fold in folds if low <= fold.value <= high], missed
 
     @cache
     def excess(value: float) -> list[Turn]:
@@ -280,8 +284,8 @@ def _branches(low: float, high: float, rows: list[list[Turn]]) -> list[Piece] | 
 def _passed_by(rows: list[list[Turn]]) -> bool:
     """Whether all extrema are farther from the damping there is than they move, those that come or go too."""
     moved, values = 0.0, [np.clip([turn.value for turn in turns], -_FARTHEST, _FARTHEST) for turns in rows]
-    for one, following in pairwise(values):
-        apart = np.abs(one[:, None] - following)
+    for before, following in pairwise(values):
+        apart = np.abs(before[:, None] - following)
         moved += max(apart.min(axis=0).max(), apart.min(axis=1).max())
     return bool(moved < min((np.abs(row[1:-1]).min() for row in values if row.size > 2), default=math.inf))
 

@@ -37,8 +37,8 @@ def coefficients(function: FloatArray) -> ComplexArray:
 def values(z: ComplexArray | FloatArray) -> FloatArray:
     """Return the values of functions from their coefficients."""
     size = 2 * z.shape[-1]
-    found: FloatArray = np.fft.irfft(z * np.exp(1j * np.pi / size * np.arange(size // 2)), size) * size
-    return found
+    samples: FloatArray = np.fft.irfft(z * np.exp(1j * np.pi / size * np.arange(size // 2)), size) * size
+    return samples
 
 
 class Expansion(NamedTuple):
@@ -75,16 +75,16 @@ def expand(law: FrictionLaw, V: ArrayLike, *, grids: Sequence[int] = _GRIDS) -> 
     - `grids`: numbers of phases in half a period, of which the first that resolves the law is taken, or the last.
     """
     V = np.ravel(np.asarray(V, np.float64))
-    found = Expansion(*np.full((len(Expansion._fields), V.size), np.inf))
+    expansion = Expansion(*np.full((len(Expansion._fields), V.size), np.inf))
     for size in grids:
-        again = ~found.resolved
+        again = ~expansion.resolved
         if again.any():
             finer = _expand(_falls(law, V[again], size))
             seen = FrictionTable.of(law).resolved(0.0, 2 * V[again], size)
             finer = finer._replace(tail=np.where(seen, finer.tail, np.inf))
-            for column, values_there in zip(found, finer, strict=True):
+            for column, values_there in zip(expansion, finer, strict=True):
                 column[again] = values_there
-    return found
+    return expansion
 
 
 def expansion_changes(
@@ -95,7 +95,7 @@ def expansion_changes(
     They are of the first and of the third degree in the slopes, so central differences over one step and two are
     exact.
     """
-    fall, change = (_falls(one, V, int(weak.phases.max())) for one in (law, law.partial(name)))
+    fall, change = (_falls(varied, V, int(weak.phases.max())) for varied in (law, law.partial(name)))
     by_itself = _expand(change)
     step = np.where(by_itself.largest > 0, weak.largest / by_itself.largest, 1.0)
 
@@ -153,5 +153,5 @@ def of_layer(law: FrictionLaw, V: FloatArray, strength: FloatArray, phases: Arra
     with np.errstate(all="ignore"):
         slopes = law.at_speeds(first[:, None] * squares, derivative=True)
         height = FrictionTable.of(law).values(first) - first * (slopes @ shares)
-    found: FloatArray = (strength * height / V) ** 2 / (2 * np.pi)
-    return found
+    value: FloatArray = (strength * height / V) ** 2 / (2 * np.pi)
+    return value

@@ -95,18 +95,18 @@ def classify(
     """
     law, osc, rtol = as_law(law), as_oscillator(osc), read_rtol(rtol)
     x, v = read_initial_conditions(x0, osc.V if v0 is None else v0)
-    found = np.full(x.shape, None, dtype=object)
+    fates = np.full(x.shape, None, dtype=object)
     with deadline.time_limit(time_limit):
         deadline.check_time()  # what is kept from earlier calls may need no look at the time
         if x.size >= _MANY:
             with suppress(StickSlipError):  # where the phase plane is not known, some motions may be decided yet
-                found = kept_regime(law, osc, rtol).by_side(x, v)
-        left = ~found.astype(bool)
-        found[left] = followed(law, osc, rtol, np.array([x[left], v[left]]), workers)
-    for one in found.flat:
-        if isinstance(one, StickSlipError):
-            raise one
-    return found if found.ndim else found.item()
+                fates = kept_regime(law, osc, rtol).by_side(x, v)
+        left = ~fates.astype(bool)
+        fates[left] = followed(law, osc, rtol, np.array([x[left], v[left]]), workers)
+    for fate in fates.flat:
+        if isinstance(fate, StickSlipError):
+            raise fate
+    return fates if fates.ndim else fates.item()
 
 
 def followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray, workers: int = 1) -> ObjectArray:
@@ -119,14 +119,14 @@ def followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray,
     system = plane.system
     q = (x - osc.onset(law)) / osc.length
     w, side = system.slip_speed(q, v / osc.V)
-    found = np.full(q.shape, None, dtype=object)
+    fates = np.full(q.shape, None, dtype=object)
 
     def decide(rows: IntArray, motion: Callable[[], Any]) -> None:
         if rows.size:
             try:
-                found[rows] = motion()
+                fates[rows] = motion()
             except StickSlipError as error:
-                found[rows] = error
+                fates[rows] = error
 
     rest, near = system.turn(1.0), ADDED * rtol
     at_rest = (side > 0) & (np.abs(w - 1) <= near) & (np.abs(q - rest) <= near * max(1.0, abs(rest)))
@@ -140,12 +140,12 @@ def followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray,
             q[left], w[left], side[left], passes=side[left] > 0, until=End.MINIMUM, rtol=rtol, workers=workers
         )
         decide(left[slips.end == End.REST], lambda: plane.at_rest)
-        found[left[slips.end == End.HORIZON]] = Motion.UNDECIDED
+        fates[left[slips.end == End.HORIZON]] = Motion.UNDECIDED
         turned = slips.end == End.MINIMUM
         decide(left[turned], partial(plane.of_peaks, 1 - slips.w[turned]))
         late, lost = slips.end == End.LATE, np.isin(slips.end, (End.OUTSIDE, End.STEPS, End.FAILED))
         for rows in filter(len, [np.flatnonzero(late), *np.flatnonzero(lost)[:, None]]):
-            found[left[rows]] = system.refusal(slips.one(rows[0]), rtol) or plane.beyond
+            fates[left[rows]] = system.refusal(slips.one(rows[0]), rtol) or plane.beyond
         back = slips.end == End.RETURN
         stuck = back & system.sticks(slips.q)
         decide(left[stuck], lambda: plane.from_onset)
@@ -154,4 +154,4 @@ def followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray,
         decide(left[again], partial(plane.of_rounds, ends[again]))
         begun[left], q[left], w[left], side[left] = ends, ends, 0.0, 1.0
         left = left[~again]
-    return found
+    return fates

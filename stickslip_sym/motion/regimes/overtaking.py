@@ -170,19 +170,19 @@ def rounds_outside(system: Dimensionless, rtol: float) -> Rounds:
             inner.append(Mark(inside, low, "jump"))
         if low >= far:
             return Rounds(tuple(inner), (-1, *[1] * len(inner)))
-    found = resolve(growth, [math.log(low), math.log(far)], rtol=ADDED * rtol, most=_MOST)
-    for begin, end in np.exp(found.unresolved).tolist():
+    growths = resolve(growth, [math.log(low), math.log(far)], rtol=ADDED * rtol, most=_MOST)
+    for begin, end in np.exp(growths.unresolved).tolist():
         R = ends(np.array([begin, end]))
         if not (R[1] <= begin or R[0] >= end):
             marks.append(Mark(begin, end, "open"))
-    folds = [math.exp(turn.x) for turn in found.turns[1:-1] if abs(turn.value) <= turn.error]
+    folds = [math.exp(turn.x) for turn in growths.turns[1:-1] if abs(turn.value) <= turn.error]
     marks += [Mark(q, q, "open") for q in folds]  # two cycles, or none
-    for root in found.roots():
-        kind: Kind = "cycle" if abs(found(root.x)) <= ADDED * rtol else "jump"
+    for root in growths.roots():
+        kind: Kind = "cycle" if abs(growths(root.x)) <= ADDED * rtol else "jump"
         marks.append(Mark(math.exp(root.x), math.exp(root.x), kind))
     marks.sort()
     begins, lasts = [low, *(mark.high for mark in marks)], [*(mark.low for mark in marks), far]
-    between = [found((math.log(begin) + math.log(end)) / 2) for begin, end in zip(begins, lasts, strict=True)]
+    between = [growths((math.log(begin) + math.log(end)) / 2) for begin, end in zip(begins, lasts, strict=True)]
     signs = [int(np.sign(value)) * (abs(value) > ADDED * rtol) for value in between]
     beyond = [Mark(far, math.inf, "open")] if far < bound else []
     return Rounds((*inner, *marks, *beyond), (*[-1] * len(inner), *signs, *[0] * len(beyond)))

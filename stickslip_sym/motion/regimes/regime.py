@@ -213,14 +213,14 @@ class Regime(drawing.Drawn):
     def of_peaks(self, peaks: FloatArray) -> ObjectArray:
         """Return what slip orbits come to whose velocity has peaks below the belt's speed, over V."""
         places = np.searchsorted([cycle.amplitude / self.oscillator.V for cycle in self.slip_cycles], peaks)
-        found = np.empty(peaks.shape, dtype=object)
+        fates = np.empty(peaks.shape, dtype=object)
         for place in np.unique(places).tolist():
-            found[places == place] = self.fate(place)
+            fates[places == place] = self.fate(place)
         for cycle in self.slip_cycles:
             if not cycle.stable:
                 near = np.abs(cycle.amplitude / self.oscillator.V - peaks) <= ADDED * self.rtol
-                found[near] = Motion.UNDECIDED
-        return found
+                fates[near] = Motion.UNDECIDED
+        return fates
 
     def fate(self, place: int) -> Motion:
         """Return what slip orbits come to that lie beyond so many limit cycles in pure slip."""
@@ -277,13 +277,13 @@ class Regime(drawing.Drawn):
         marks, growth = self.outside
         place = np.searchsorted([mark.high for mark in marks], begins)
         ahead = np.array(growth)[place]
-        found = np.array([self.from_onset, *self._outer], dtype=object)[place + (ahead > 0)]
-        found[ahead == 0] = Motion.PURE_SLIP
+        fates = np.array([self.from_onset, *self._outer], dtype=object)[place + (ahead > 0)]
+        fates[ahead == 0] = Motion.PURE_SLIP
         for mark, (within, without) in zip(marks, pairwise(growth), strict=True):
             if mark.kind == "open" or within < without:
                 margin = ADDED * self.rtol * mark.low
-                found[(begins >= mark.low - margin) & (begins <= mark.high + margin)] = Motion.UNDECIDED
-        return found
+                fates[(begins >= mark.low - margin) & (begins <= mark.high + margin)] = Motion.UNDECIDED
+        return fates
 
     # -- separatrices and basins -------------------------------------------------------------------
 
@@ -300,15 +300,15 @@ class Regime(drawing.Drawn):
 
     def curves(self, least: list[float]) -> tuple[Separatrix, ...]:
         """Return the separatrices whose slip speeds, over V, have certain minima: 0 where one grazes."""
-        onset, found = self.oscillator.onset(self.law), []
+        onset, separatrices = self.oscillator.onset(self.law), []
         back = self.system.backward
         for w in least:
             # Backward, since unstable orbits attract those beside them then.
             slip = back.slip(-self.system.turn(w), w, until=End.MINIMUM, rtol=self.rtol, recorded=True)
             if slip.end is not End.OUTSIDE:
                 curve = interpolated(back, slip, self.rtol)
-                found.append(Separatrix("limit cycle" if w else "graze", *curve, onset, self.oscillator))
-        return tuple(found)
+                separatrices.append(Separatrix("limit cycle" if w else "graze", *curve, onset, self.oscillator))
+        return tuple(separatrices)
 
     @cached_property
     def undecided(self) -> tuple[str, ...]:
@@ -477,12 +477,12 @@ def regime(
     rest at x = 0.0261867 m
     stick-slip of period 0.631968 s, of which stick 0.0453196 s
     """
-    found = kept_regime(as_law(law), as_oscillator(osc), read_rtol(rtol))
+    result = kept_regime(as_law(law), as_oscillator(osc), read_rtol(rtol))
     with deadline.time_limit(time_limit):
         deadline.check_time()  # what is kept from earlier calls may need no look at the time
         for name in ("attractors", "separatrices", "basins", "_periodic"):
-            getattr(found, name)
-    return found
+            getattr(result, name)
+    return result
 
 
 @lru_cache(maxsize=256)  # the maps, basins and classification of one operating point ask for the same motions

@@ -46,13 +46,13 @@ def slip_by_solve_ivp(
     at_belt_speed.terminal, at_belt_speed.direction = True, side  # type: ignore[attr-defined]  # SciPy's way
     v = side * min(side * v, side * osc.V - _BESIDE * osc.V)
     tight: dict[str, Any] = {"method": "DOP853", "max_step": _STEP / osc.omega}
-    found = solve_ivp(
+    solution = solve_ivp(
         rates, (t, t_end), (x, v), rtol=max(rtol, 1e-13), dense_output=True, events=at_belt_speed,
         atol=_LEAST * rtol * np.array([osc.V / osc.omega, osc.V]), **tight | options,
     )  # fmt: skip
-    if found.status < 0:
-        raise NotConverged(f"solve_ivp cannot go on beyond t = {found.t[-1]:.6g} s: {found.message}")
-    return found
+    if solution.status < 0:
+        raise NotConverged(f"solve_ivp cannot go on beyond t = {solution.t[-1]:.6g} s: {solution.message}")
+    return solution
 
 
 def simulate_by_solve_ivp(
@@ -71,10 +71,10 @@ def simulate_by_solve_ivp(
         else:
             side = math.copysign(1, pull) if v == osc.V else math.copysign(1, osc.V - v)
             phase = Phase.SLIP_BACK if side > 0 else Phase.SLIP_FORWARD
-            found = slip_by_solve_ivp(law, osc, t, x, v, int(side), t_end, rtol, **options)
-            samples = np.array([found.t, *found.y])
-            if found.t_events[0].size:
+            solution = slip_by_solve_ivp(law, osc, t, x, v, int(side), t_end, rtol, **options)
+            samples = np.array([solution.t, *solution.y])
+            if solution.t_events[0].size:
                 samples[2, -1] = osc.V
-            stretches.append(Stretch(phase, samples, found.sol))
+            stretches.append(Stretch(phase, samples, solution.sol))
         t, x, v = stretches[-1].samples[:, -1].tolist()
     return Trajectory(osc, rtol, tuple(stretches), Outcome.FINISHED)

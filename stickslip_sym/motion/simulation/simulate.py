@@ -248,7 +248,7 @@ def _many(
         outcome[came[over]] = course.outcome
         since = np.minimum(rest, course.t[-1])
         event = np.maximum(np.searchsorted([one.t for one in course.events], since) - 1, 0)
-        stuck = np.array([one.begins is Phase.STICK for one in course.events])
+        stuck = np.array([event.begins is Phase.STICK for event in course.events])
         late = np.where(stuck.cumsum()[event] > 0, t[came] + course.events[stuck.argmax()].t, np.nan)
         first[came] = np.fmin(first[came], late)
         phases[came] += event + 1

@@ -431,12 +431,16 @@ class Trajectories:
     def count(self) -> dict[str, int]:
         """Return how many motions stick, slip, came to rest, or ended otherwise."""
         done = self.outcome == Outcome.FINISHED
-        found = {
+        numbers = {
             "stick": int((done & (self.sticks > 0)).sum()),
             "only slip": int((done & (self.sticks == 0)).sum()),
         }
-        found |= {one.value: int((self.outcome == one).sum()) for one in Outcome if one is not Outcome.FINISHED}
-        return {word: number for word, number in found.items() if number}
+        numbers |= {
+            outcome.value: int((self.outcome == outcome).sum())
+            for outcome in Outcome
+            if outcome is not Outcome.FINISHED
+        }
+        return {word: number for word, number in numbers.items() if number}
 
     def __repr__(self) -> str:
         counts = ", ".join(f"{number} {word}" for word, number in self.count().items())

@@ -97,14 +97,14 @@ def average_changes(criterion: Criterion, points: OperatingPoints) -> dict[str, 
 
 def _of_jumps(law: FrictionLaw, criterion: Criterion, V: FloatArray, name: str) -> FloatArray:
     """Return what moving jumps of mu bring: c is the integral of mu times a kernel K(v)."""
-    found = np.zeros_like(V)
+    sums = np.zeros_like(V)
     if criterion.weight is None:
-        return found
+        return sums
     for jump, height in jumps(law.expr, law.point):
         moved = -jump if name == "V" else rate(jump, law.parameters[name].symbol)
         at, by, size = (law.number(part) for part in (jump, moved, height))
         kernel = criterion.kernel.subs(symbols.v, at)
         for row, speed in enumerate(V):
             if 0 < at < 2 * speed:
-                found[row] -= size * by * float(kernel.subs(symbols.V, speed))
-    return found
+                sums[row] -= size * by * float(kernel.subs(symbols.V, speed))
+    return sums

@@ -73,11 +73,11 @@ class ExactPoint:
         law, impedance = self.law, sp.sqrt(self.k * self.m)
         static = self.at_rest if law.static is None else law.static
         starts = [sp.Integer(0), *law.kinks()]
-        found = []
+        segments = []
         for start, end in zip(starts, [*starts[1:], law.v_max], strict=True):
             mu = branch_from(law.expr, law.point, start).xreplace({symbols.v: self.V * _w})
             push = self.N / (self.V * impedance) * (static - mu) - c / impedance * _w
-            found.append(
+            segments.append(
                 Segment(
                     ball(start / self.V).real,
                     None if end is None else ball(end / self.V).real,
@@ -86,7 +86,7 @@ class ExactPoint:
                     series_function(sp.diff(push, _w), _w, law.point),
                 )
             )
-        return found
+        return segments
 
 
 @dataclass(frozen=True)

@@ -67,7 +67,7 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     still = [0.0] * len(levels)
     friction = 1 / (V * osc.impedance)  # deta/dN
     excess = push / eta if eta else 0.0
-    found = {
+    sources = {
         "V": Wedge(-push / V, 0.0, -eta / V, _stretched(rise.pieces), [-level / V / V for level in levels]),
         "N": Wedge(excess * friction, 0.0, -friction, rise.pieces, still),
     }
@@ -76,8 +76,8 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
         onset = law.number(rate(law.static_expr, symbol)) - partial.onset
         moves = [(law.number(place), law.number(rate(place, symbol)) / V) for place in places(law.expr)]
         shifts = [next((by for v, by in moves if math.isclose(v, level, rel_tol=_SAME)), 0.0) for level in levels]
-        found[name] = Wedge(eta * onset, 0.0, -eta, partial.at(V).pieces, shifts)
-    by = {name: -derivative(source) / slope * unit for name, source in found.items()}
+        sources[name] = Wedge(eta * onset, 0.0, -eta, partial.at(V).pieces, shifts)
+    by = {name: -derivative(source) / slope * unit for name, source in sources.items()}
     by_impedance = (zeta * unit - osc.N * by["N"]) / 2  # c/sqrt(k m) depends on N/sqrt(k m) alone
     return by | {"m": by_impedance / osc.m, "k": by_impedance / osc.k}
 

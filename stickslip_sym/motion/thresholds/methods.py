@@ -59,9 +59,9 @@ class Computed:
 
 def _slip_changes(points: OperatingPoints) -> dict[str, FloatArray]:
     """Differentiate the gap between both halves of the orbit that grazes the belt's speed, point by point."""
-    found = [grazing_sensitivity(points.law, points.oscillator(row)) for row in range(len(points))]
+    by_row = [grazing_sensitivity(points.law, points.oscillator(row)) for row in range(len(points))]
     names = (*points.columns, *points.law.parameters)
-    return {name: np.array([one[name] for one in found]) for name in names}
+    return {name: np.array([sensitivity[name] for sensitivity in by_row]) for name in names}
 
 
 @dataclass(frozen=True)
@@ -160,22 +160,22 @@ def good_enough(
     """
     if method is not None:
         method.check(points.law, points.V, points.has_oscillator)
-    found, names = ask(points, method, rtol, prove=True)
-    far = np.flatnonzero(~(found.relative_error <= rtol))
+    computed, names = ask(points, method, rtol, prove=True)
+    far = np.flatnonzero(~(computed.relative_error <= rtol))
     if not far.size:
-        return found, names, found.relative_error * points.error_base(found.value)
+        return computed, names, computed.relative_error * points.error_base(computed.value)
     row = int(far[0])
     if method is None or method.converges:
-        refusal = found.refusals.get(row)
+        refusal = computed.refusals.get(row)
         if isinstance(refusal, NoThreshold | InputError):
             raise refusal
         reason = f": {refusal}" if refusal is not None else ""
         more = "" if method is not None and method.name == "proof" else ', or method="proof"'
         raise NotConverged(
-            f"rtol = {rtol:g} is not reached for {points.label(row)}{reason}{_best(points, found, row)}; "
+            f"rtol = {rtol:g} is not reached for {points.label(row)}{reason}{_best(points, computed, row)}; "
             f"try another rtol{more}"
         )
-    lacking = far[~np.isfinite(found.value[far])]
+    lacking = far[~np.isfinite(computed.value[far])]
     if lacking.size:
         raise NotConverged(
             f"the method {method.name!r} gives no finite number for {points.label(int(lacking[0]))}: slopes of mu "
@@ -184,11 +184,12 @@ def good_enough(
     if points.has_oscillator:  # else nothing is known of the threshold itself
         some = points.rows(far)
         reference, _ = ask(some, None, _REFERENCE)
-        off = some.relative(np.abs(found.value[far] - reference.value), reference.value) + reference.relative_error
-        error, base = found.relative_error.copy(), points.error_base(found.value)
+        away = np.abs(computed.value[far] - reference.value)
+        off = some.relative(away, reference.value) + reference.relative_error
+        error, base = computed.relative_error.copy(), points.error_base(computed.value)
         error[far], base[far] = np.where(np.isnan(off), np.inf, off), some.error_base(reference.value)
-        return replace(found, relative_error=error), names, error * base
-    return found, names, np.full(len(points), np.inf)
+        return replace(computed, relative_error=error), names, error * base
+    return computed, names, np.full(len(points), np.inf)
 
 
 def ask(
@@ -209,19 +210,19 @@ def ask(
     refusals: dict[int, StickSlipError] = {}
     theorems: dict[int, Theorem] = {}
     best = Computed(value, error, refusals, theorems)
-    for one, its_points in _in_turn(points, rtol, prove):
-        rows = np.flatnonzero(its_points & ~(error <= rtol) & (one.automatic | np.isfinite(error)))
+    for chosen, its_points in _in_turn(points, rtol, prove):
+        rows = np.flatnonzero(its_points & ~(error <= rtol) & (chosen.automatic | np.isfinite(error)))
         if not rows.size:
             continue
         try:
-            computed, _ = ask(points if rows.size == len(points) else points.rows(rows), one, rtol)
+            computed, _ = ask(points if rows.size == len(points) else points.rows(rows), chosen, rtol)
         except OutOfTime as stop:
             row = int(rows[0])
             raise OutOfTime(f"{stop}{_best(points, best, row) if error[row] < 1 else ''}") from None
         closer = computed.relative_error < error[rows]
         value[rows[closer]], error[rows[closer]] = computed.value[closer], computed.relative_error[closer]
-        names[rows[closer]] = one.name
-        if one.automatic:
+        names[rows[closer]] = chosen.name
+        if chosen.automatic:
             refusals |= {int(rows[row]): refusal for row, refusal in computed.refusals.items()}
         theorems |= {int(rows[row]): theorem for row, theorem in computed.theorems.items()}
     return best, names
@@ -233,11 +234,16 @@ def _in_turn(points: OperatingPoints, rtol: float, prove: bool) -> Iterator[tupl
     Time stepping in double precision has an end; a proof takes a hundred times as long, and has any digits.
     """
     smooth = obstacle(points.law, points.V) is None
-    chosen = [one for one in methods().values() if one.automatic and (smooth or not one.smooth)]
-    costs = [one.cost(points, rtol) if callable(one.cost) else np.full(len(points), one.cost) for one in chosen]
+    chosen = [
+        candidate for candidate in methods().values() if candidate.automatic and (smooth or not candidate.smooth)
+    ]
+    costs = [
+        candidate.cost(points, rtol) if callable(candidate.cost) else np.full(len(points), candidate.cost)
+        for candidate in chosen
+    ]
     for turn in np.argsort(costs, axis=0, kind="stable"):
-        for number, one in enumerate(chosen):
-            yield one, turn == number
+        for number, candidate in enumerate(chosen):
+            yield candidate, turn == number
     if prove:
         yield methods()["proof"], np.ones(len(points), dtype=bool)
 
@@ -337,12 +343,12 @@ def _orbit_cost(points: OperatingPoints, rtol: float) -> FloatArray:
 
 
 def _by_orbit(points: OperatingPoints, rtol: float) -> Computed:
-    found = orbits(points.law, points.V, points.strength, rtol=rtol)
-    value = found.d * points.impedance
+    orbit = orbits(points.law, points.V, points.strength, rtol=rtol)
+    value = orbit.d * points.impedance
     with np.errstate(invalid="ignore"):
-        error = points.relative(found.relative_error * np.abs(value), value)  # NaN where d is 0 but need not be
+        error = points.relative(orbit.relative_error * np.abs(value), value)  # NaN where d is 0 but need not be
     error[np.isnan(error)] = np.inf
-    reason = obstacle(points.law, points.V, float(np.fmin.reduce(found.lowest, initial=0.0)) - _BESIDE)
+    reason = obstacle(points.law, points.V, float(np.fmin.reduce(orbit.lowest, initial=0.0)) - _BESIDE)
     if reason is not None:
         refusals = dict.fromkeys(range(len(points)), _not_smooth("orbit", reason))
         return Computed(np.full_like(value, np.nan), np.full_like(error, np.inf), refusals)
@@ -357,13 +363,13 @@ def _by_orbit(points: OperatingPoints, rtol: float) -> Computed:
 def _orbit_changes(points: OperatingPoints) -> dict[str, FloatArray]:
     """Differentiate the equations of collocation; the gap of both halves where they do not give the orbit."""
     law, N = points.law, points.N
-    found = orbits(law, points.V, points.strength, added=[law, *map(law.partial, ("V", *law.parameters))])
-    by_N, by_V, *others = found.changes.T
-    by_impedance = (found.d * points.impedance - N * by_N) / 2  # c/sqrt(k m) depends on N/sqrt(k m) alone
+    orbit = orbits(law, points.V, points.strength, added=[law, *map(law.partial, ("V", *law.parameters))])
+    by_N, by_V, *others = orbit.changes.T
+    by_impedance = (orbit.d * points.impedance - N * by_N) / 2  # c/sqrt(k m) depends on N/sqrt(k m) alone
     columns = {"V": N * by_V / points.V, "N": by_N}
     columns |= {name: by_impedance / points.columns[name] for name in ("m", "k")}
     columns |= {name: N * column for name, column in zip(law.parameters, others, strict=True)}
-    far = np.flatnonzero(~(found.relative_error <= TIGHT))
+    far = np.flatnonzero(~(orbit.relative_error <= TIGHT))
     for name, column in _slip_changes(points.rows(far)).items():
         columns[name][far] = column
     return columns
@@ -375,20 +381,20 @@ def _orbit_changes(points: OperatingPoints) -> dict[str, FloatArray]:
 def _by_simulation(points: OperatingPoints, rtol: float) -> Computed:
     """Return the damping at which the simulated slip from P grazes the belt's speed."""
     fast = len(points) >= _MANY
-    found = _each(points, lambda row: grazing_damping(points.law, points.oscillator(row), rtol=rtol, fast=fast))
-    return replace(found, relative_error=points.relative(found.relative_error, found.value))
+    computed = _each(points, lambda row: grazing_damping(points.law, points.oscillator(row), rtol=rtol, fast=fast))
+    return replace(computed, relative_error=points.relative(computed.relative_error, computed.value))
 
 
 def _each(points: OperatingPoints, compute: Callable[[int], tuple[float, float]]) -> Computed:
     """Return values and errors, or refusals, row by row."""
-    found = np.full((2, len(points)), [[np.nan], [np.inf]])
+    columns = np.full((2, len(points)), [[np.nan], [np.inf]])
     refusals: dict[int, StickSlipError] = {}
     for row in range(len(points)):
         try:
-            found[:, row] = compute(row)
+            columns[:, row] = compute(row)
         except NO_RESULT as refusal:
             refusals[row] = refusal
-    return Computed(found[0], found[1], refusals)
+    return Computed(columns[0], columns[1], refusals)
 
 
 def _by_proof(points: OperatingPoints, rtol: float) -> Computed:

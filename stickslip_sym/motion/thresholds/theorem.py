@@ -86,9 +86,9 @@ class Theorem:
             lines.append(
                 f"so all slips with damping lie inside it, at slip speeds below {reach:.4g} times the belt's"
             )
-        for c, one in ((self.low, self.below), (self.high, self.above)):
-            end = "returns" if one.returns else "turns at a slip speed above 0, and does not return"
-            lines.append(f"at c = {_decimal(c)} kg/s the slip {end}, {_work(one)}")
+        for c, decided in ((self.low, self.below), (self.high, self.above)):
+            end = "returns" if decided.returns else "turns at a slip speed above 0, and does not return"
+            lines.append(f"at c = {_decimal(c)} kg/s the slip {end}, {_work(decided)}")
         lines.append(
             "what returns at one damping returns at every smaller one, since more damping turns the field one way"
         )
@@ -126,8 +126,8 @@ def _decimal(value: Fraction) -> str:
         return f"{Decimal(value.numerator) / Decimal(value.denominator):f}"
 
 
-def _work(one: Transit) -> str:
-    return f"by {one.steps} Taylor steps with {one.bits} bits, in boxes no wider than {one.width:.1e}"
+def _work(transit: Transit) -> str:
+    return f"by {transit.steps} Taylor steps with {transit.bits} bits, in boxes no wider than {transit.width:.1e}"
 
 
 def prove_threshold(point: ExactPoint, guess: float, error: float, rtol: float, scale: float = 0.0) -> Theorem:
@@ -149,15 +149,15 @@ def prove_threshold(point: ExactPoint, guess: float, error: float, rtol: float, 
     if guess == scale == 0:
         raise NoThreshold("the threshold is 0: friction does no work on a round, and nothing is left to enclose")
     search = Search(partial(transit, point), "c in kg/s")
-    found = search.around(guess, error, rtol, scale)
+    enclosure = search.around(guess, error, rtol, scale)
     undamped = None
-    if found.low > 0:
+    if enclosure.low > 0:
         with suppress(Undecided, InputError):
             undamped = transit(point, Fraction(0), BITS_OF_SIGNS)
     if undamped is not None and not undamped.returns:
         raise NoThreshold("the slip returns at some damping, but not without any: the lemma does not hold here")
-    below, above = search.decided[found.low], search.decided[found.high]
-    return Theorem(point.law, point.values, found.low, found.high, below, above, undamped, hypotheses)
+    below, above = search.decided[enclosure.low], search.decided[enclosure.high]
+    return Theorem(point.law, point.values, enclosure.low, enclosure.high, below, above, undamped, hypotheses)
 
 
 # -- the search ------------------------------------------------------------------------------------
@@ -193,8 +193,8 @@ class Search:
                 if not 0 < step < max(abs(center), size):
                     raise NotConverged(f"no change is near the guess {self.label} = {float(abs(center)):g}")
         while True:
-            low = max(x for x, one in self.decided.items() if one.returns)
-            high = min(x for x, one in self.decided.items() if not one.returns)
+            low = max(x for x, transit in self.decided.items() if transit.returns)
+            high = min(x for x, transit in self.decided.items() if not transit.returns)
             if low > high:
                 raise NotConverged(f"several changes are near the guess {self.label} = {float(abs(center)):g}")
             if high - low <= close * max(abs(low), least):
@@ -224,7 +224,11 @@ class Search:
 
     def _secant(self) -> Fraction | None:
         """Return where the lowest slip speed vanishes by the secant through two decisions close to it."""
-        lowest = [(abs(one.lowest.mid()), x, one.lowest.mid()) for x, one in self.decided.items() if one.turned]
+        lowest = [
+            (abs(transit.lowest.mid()), x, transit.lowest.mid())
+            for x, transit in self.decided.items()
+            if transit.turned
+        ]
         lowest.sort(key=lambda row: float(row[0]))
         if len(lowest) < 2 or lowest[0][2] == lowest[1][2]:
             return None
@@ -251,11 +255,11 @@ def checked_hypotheses(point: ExactPoint) -> tuple[tuple[str, str], ...]:
     if not smooth:
         raise InputError(f"a threshold is proved for laws that are locally Lipschitz for v > 0, and {how}; "
                          'try method="simulation", which takes all laws')  # fmt: skip
-    found = ("mu is locally Lipschitz for v > 0", how)
+    lipschitz = ("mu is locally Lipschitz for v > 0", how)
     if law.static is None:
-        return (found, ("the static coefficient is mu(0+)", "the law has no other"))
+        return (lipschitz, ("the static coefficient is mu(0+)", "the law has no other"))
     with working_precision(BITS_OF_SIGNS):
         above = law.static - point.at_rest
         if not ball_value(above, law.point).real > 0 and above.xreplace(law.point) != 0:
             raise InputError("the static coefficient was not shown to be at least mu(0+), as a proof needs it")
-    return (found, ("the static coefficient is at least mu(0+)", "by enclosing both"))
+    return (lipschitz, ("the static coefficient is at least mu(0+)", "by enclosing both"))

@@ -324,7 +324,7 @@ def pure_slip_damping(
     table = methods() if chosen is None else {chosen.name: chosen}
     error = computed.relative_error
     known = np.isfinite(error).any() or not error.size
-    found = Threshold(
+    threshold = Threshold(
         shaped(computed.value + 0.0, points.shape),  # -0.0 becomes 0.0
         str(names[0]) if points.shape == () else np.array(names.tolist(), dtype=str).reshape(points.shape),
         shaped(error, points.shape) if known else None,
@@ -334,7 +334,7 @@ def pure_slip_damping(
         tuple(computed.theorems.values()) if len(computed.theorems) == len(points) else (),
         time_limit,
     )
-    if found.has_standard_error:
+    if threshold.has_standard_error:
         with suppress(*NO_RESULT, OutOfTime):  # raised again where it is asked for
-            _ = found.budget
-    return found
+            _ = threshold.budget
+    return threshold

@@ -93,7 +93,7 @@ class Budget(Report):
             share = ranged(100 * np.asarray(self.shares[name]), ".1f")
             rows.append([name, f"{self.deviations[name]:.3g}", ranged(self.alone[name], ".3g"), f"{share} %"])
         header = ["quantity", "standard error", "alone, kg/s", "share of the variance"]
-        pairs = ", ".join(f"{one} and {other} ({r:+.2f})" for one, other, r in self.correlated)
+        pairs = ", ".join(f"{first} and {second} ({r:+.2f})" for first, second, r in self.correlated)
         remarks = [f"correlated: {pairs}; their shares hold only together"] if pairs else []
         return [(header, rows), *remarks]
 
