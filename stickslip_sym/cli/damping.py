@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.options import Given, file_option, option
-from stickslip_sym.cli.output import Json, echo_all, in_options, under_way
+from stickslip_sym.cli.output import Json, echo_all, under_way
 from stickslip_sym.cli.reading import Point, points
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.uncertain import split
@@ -50,11 +49,12 @@ def run(given: Given) -> None:
         if method is None:
             with under_way("thresholds by every method"):
                 compared = ss.compare(at.law, None, rtol=min(rtol, _RTOL), time_limit=limit, **at.texts)
-            rows = tuple(replace(row, reason=in_options(row.reason)) for row in compared)
-            found.append({"operating_point": at, "rows": rows})
-            texts.append(f"{at}\n\n{replace(compared, rows=rows)}")
+            found.append({"operating_point": at, "rows": compared.rows})
+            texts.append(f"{at}\n\n{compared}")
             if plot is not None:
-                _draw(plot, at, next(row.threshold for row in reversed(rows) if row.threshold is not None))
+                _draw(
+                    plot, at, next(row.threshold for row in reversed(compared.rows) if row.threshold is not None)
+                )
             continue
         with under_way("threshold"):
             threshold = ss.pure_slip_damping(at.law, **at.texts, method=method, rtol=rtol, time_limit=limit)

@@ -9,7 +9,7 @@ import click
 import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.options import Given, option
-from stickslip_sym.cli.output import Json, echo_all, in_options, terminal
+from stickslip_sym.cli.output import Json, echo_all, terminal
 from stickslip_sym.cli.reading import criteria_of, point
 from stickslip_sym.core.errors import NoClosedForm
 
@@ -60,7 +60,7 @@ def run(given: Given) -> None:
         if steps and found is not None:
             rows[-1]["steps"] = found.derivation.steps
             lines += ["", found.derivation.text()]
-        texts.append("\n".join([*lines, *(["", in_options(str(checks))] if checks else [])]))
+        texts.append("\n".join([*lines, *(["", str(checks)] if checks else [])]))
     echo_all(given, [{"operating_point": at, "criteria": rows}], texts)
     if law.missing and forms:
         names = ", ".join(law.missing)

@@ -11,7 +11,7 @@ import click
 import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.options import LAW_NAMES, Given, option, pairs
-from stickslip_sym.cli.output import counted, echo_all, in_options
+from stickslip_sym.cli.output import counted, echo_all
 from stickslip_sym.cli.reading import law_described, reading_of
 from stickslip_sym.core.errors import InputError
 
@@ -41,7 +41,7 @@ def run(given: Given) -> None:
         fits = fitted(file, laws, given)
         found.append({"file": file, "fits": fits})
         above = f"{file}:\n" if len(files) > 1 else ""
-        texts.append(in_options(f"{above}{fits}\n\n{fits.best}"))
+        texts.append(f"{above}{fits}\n\n{fits.best}")
         if plot is not None:
             fits.plot(plot)
     echo_all(given, found, texts, "files")

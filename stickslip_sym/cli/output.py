@@ -9,7 +9,6 @@ name goes or changes its meaning; names may be added without.
 from __future__ import annotations
 
 import json
-import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -29,38 +28,6 @@ Json = dict[str, Any]
 """What stands for an object of JSON."""
 
 _FORMAT = 3
-_QUANTITIES = ("V", "N", "m", "k", "c")
-_OPTIONS = (
-    "method", "criterion", "workers", "time_limit", "rtol", "t_end", "x0", "v0", "static",
-    "name", "source", "radius", "speeds", "bins",
-)  # fmt: skip
-_RULES: list[tuple[str, str | Callable[[re.Match[str]], str]]] = [
-    (r"bind them first: law\.bind\(([^()]*)\)", r"give \1"),
-    (r"(?:bind it first: )?\blaw\.bind\((\w+=[\w.]+)\)", r"-p \1"),
-    (r"bind them first", "give each by -p NAME=VALUE"),
-    (r"declare it with Parameter\('(\w+)', positive=False\) if any sign is meant",
-     r"write the formula with -\1, and give a positive value, if any sign is meant"),
-    (r"use evaluate\(digits=\.\.\.\)", "stickslip derive computes it to 50 digits"),
-    (r"columns=\{'(\w+)': '?([^'}]*)'?, '(\w+)': '?([^'}]*)'?\}", r'--column \1="\2" --column \3="\4"'),
-    (r"columns=\{'(\w+)': '?([^'}]*)'?\}", r'--column \1="\2"'),
-    (r"\bpass (?=\w+=True)", "give "),
-    (r"\b(\w+)=True\b", lambda m: f"--{m[1].replace('_', '-')}"),
-    (r"\bsimulate\(\)", "stickslip simulate"),
-    (r"within=\(low, high\)", "--within LOW:HIGH"),
-    (r"units=\{'(\w+)': \.\.\.\}", r"--unit \1=..."),
-    (rf"\b({'|'.join(_OPTIONS)})=(\"?)([\w.+-]+)\2", lambda m: f"--{m[1].replace('_', '-')} {m[3]}"),
-    (rf"(?<![\w-])({'|'.join(_QUANTITIES)})=\.\.\.", r"-\1 ..."),
-    (r"(?<!-p )(?<!--unit )(?<!--symbol )(?<![\w-])(\w+)=\.\.\.", r"-p \1=..."),
-    (r"(=?\.\.\.), (?=-)", r"\1 "),
-]  # fmt: skip
-"""Python's words in a message, and those of the command line, replaced in this order."""
-
-
-def in_options(message: str) -> str:
-    """Return a message of the package as a user of the command line can follow it."""
-    for python, option in _RULES:
-        message = re.sub(python, option, message)
-    return message
 
 
 def terminal() -> Console:
@@ -101,7 +68,7 @@ def echo_json(command: str, **found: object) -> None:
     from stickslip_sym.output.content import content
 
     head = {"format": _FORMAT, "version": __version__, "command": command}
-    click.echo(json.dumps(head | content(found, in_options), indent=2, ensure_ascii=False, allow_nan=False))
+    click.echo(json.dumps(head | content(found), indent=2, ensure_ascii=False, allow_nan=False))
 
 
 def echo_all(given: Given, found: Sequence[Json], texts: Iterable[str], many: str = "points") -> None:
@@ -114,4 +81,4 @@ def echo_all(given: Given, found: Sequence[Json], texts: Iterable[str], many: st
 
 def echo_found(given: Given, at: Point, text: object, **found: object) -> None:
     """Print a law, an operating point and what was found there."""
-    echo_all(given, [{"operating_point": at} | found], [f"{at}\n\n{in_options(str(text))}"])
+    echo_all(given, [{"operating_point": at} | found], [f"{at}\n\n{text}"])

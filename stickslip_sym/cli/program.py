@@ -11,9 +11,10 @@ from typing import Any
 
 import click
 
-from stickslip_sym.cli.output import in_options
+from stickslip_sym.cli.wording import in_options
 from stickslip_sym.core.errors import InputError, InputWarning, StickSlipError
 from stickslip_sym.core.numbers import suggestion
+from stickslip_sym.core.remedies import worded
 from stickslip_sym.core.version import __version__
 
 BAD_INPUT, NO_RESULT, INTERRUPTED = 2, 1, 130
@@ -49,6 +50,15 @@ class Program(click.Group):
         command: click.Command = importlib.import_module(f"stickslip_sym.cli.{name}").run
         return command
 
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run a command; an error goes to stderr in a line or two, and decides the exit code."""
+        with worded(lambda remedy: in_options(remedy, ctx)):
+            try:
+                return super().invoke(ctx)
+            except StickSlipError as error:
+                click.echo(f"error: {error}", err=True)
+                return BAD_INPUT if isinstance(error, InputError) else NO_RESULT
+
 
 @click.group("stickslip", cls=Program, invoke_without_command=True)
 @click.version_option(__version__, message="stickslip_sym %(version)s")
@@ -74,9 +84,6 @@ def _run() -> int:
     try:
         code = program.main(prog_name="stickslip", standalone_mode=False)
         return code if isinstance(code, int) else 0
-    except StickSlipError as error:
-        click.echo(f"error: {in_options(str(error))}", err=True)
-        return BAD_INPUT if isinstance(error, InputError) else NO_RESULT
     except (click.Abort, KeyboardInterrupt):
         click.echo("interrupted", err=True)
         return INTERRUPTED
@@ -108,7 +115,7 @@ def _warnings_in_a_line() -> Iterator[None]:
     def show(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
         if not issubclass(category, InputWarning):
             others(message, category, *place, **more)
-        elif (text := in_options(str(message))) not in printed:
+        elif (text := str(message)) not in printed:
             printed.add(text)
             click.echo(f"warning: {text}", err=True)
 

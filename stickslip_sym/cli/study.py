@@ -9,7 +9,7 @@ import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.fit import fitted, laws_to_fit
 from stickslip_sym.cli.options import Given, option
-from stickslip_sym.cli.output import echo_all, in_options, under_way
+from stickslip_sym.cli.output import echo_all, under_way
 from stickslip_sym.cli.reading import points, reading_of
 from stickslip_sym.core.errors import InputError
 
@@ -81,7 +81,7 @@ def run(given: Given) -> None:
                     defaults=(*one.typical, *one.defaults), time_limit=limit, progress=progress,
                 )  # fmt: skip
             found.save(page)
-            written += [*map(in_options, found.findings)]
+            written += found.findings
             written.append(f"{page}: {len(found.page) / 1000:.0f} kB, in {found.seconds:.1f} s")
             contents[-1]["study"] = found
             if paper is not None:

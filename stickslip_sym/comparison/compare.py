@@ -225,7 +225,7 @@ def compare(
     """
     law = as_law(law)
     if (osc is None) == (not point):
-        raise InputError("give the operating point once: an Oscillator, or V=, N=, m= and k=")
+        raise InputError("give the operating point once: an Oscillator, or V, N, m and k")
     if osc is not None:
         point = of_oscillator(osc, {}, "VNmk")
     if unknown := sorted(point.keys() - set("VNmk")):

@@ -24,6 +24,7 @@ from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import Number, exact, lookup
+from stickslip_sym.core.remedies import Call, Values
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.formula.closed_form import ClosedForm, derive
@@ -231,9 +232,11 @@ def tradeoff(
     for kind in kinds:
         lookup("trade of", kind, dict.fromkeys(KINDS))
     if c is not None and "basin" not in kinds:
-        raise InputError('c belongs to the basins of attraction: of = "basin"')
+        raise InputError("c belongs to the basins of attraction: ", Call('of="basin"', "tradeoff LAW --basins"))
     if law.missing:
-        raise InputError(f"the law has no value for {', '.join(law.missing)}; bind it first")
+        raise InputError(
+            f"the law has no value for {', '.join(law.missing)}; give it first: ", Values.of(*law.missing)
+        )
     chosen = find(criterion)
     given = {name: value for name, value in {"V": V, "N": N, "m": m, "k": k}.items() if value is not None}
     numbers = {name: float(exact(value, name)) for name, value in (PAPER | given).items()}

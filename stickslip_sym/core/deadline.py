@@ -12,6 +12,7 @@ from contextvars import ContextVar
 
 from stickslip_sym.core.errors import InputError, OutOfTime
 from stickslip_sym.core.numbers import real
+from stickslip_sym.core.remedies import Name
 
 LONGEST = 86_400.0  # seconds, a day
 _end: ContextVar[float] = ContextVar("end of the time limit, of _now", default=math.inf)
@@ -39,7 +40,7 @@ def time_limit(seconds: float | str | None) -> Iterator[None]:
     if not isinstance(seconds, float | int | None):
         seconds = real("time_limit", seconds)
     if seconds is not None and not 0 <= seconds <= LONGEST:
-        raise InputError(f"time_limit = {seconds} is not a number of seconds from 0 to {LONGEST:.0f}")
+        raise InputError(Name("time_limit"), f" = {seconds} is not a number of seconds from 0 to {LONGEST:.0f}")
     end = math.inf if seconds is None else _now() + seconds
     token = _end.set(min(end, _end.get()))
     try:

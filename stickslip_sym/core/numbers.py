@@ -24,6 +24,7 @@ from mpmath.libmp import to_rational
 
 from stickslip_sym.core.aliases import Expr, FloatArray, Mpf
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.remedies import Name
 from stickslip_sym.core.units import in_si
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ def fraction(value: Number, name: str) -> Fraction:
         return Fraction(value if isinstance(value, int | Fraction | Decimal) else float(value))
     except (TypeError, ValueError, OverflowError):
         raise InputError(
-            f"{name} = {value!r} is not a finite real number; give a number such as 0.5 or '0.5'"
+            Name(name), f" = {value!r} is not a finite real number; give a number such as 0.5 or '0.5'"
         ) from None
 
 
@@ -68,7 +69,7 @@ def _from_text(text: str, name: str) -> Fraction:
     if len(text) <= _LONGEST and len(parts) <= 2 and all(map(_DECIMAL.fullmatch, parts)):
         with suppress(ZeroDivisionError):
             return reduce(truediv, map(Fraction, parts))
-    raise InputError(f"{name} = {text[:60]!r} is not a number; write it like 0.5, 5e-1 or 1/2")
+    raise InputError(Name(name), f" = {text[:60]!r} is not a number; write it like 0.5, 5e-1 or 1/2")
 
 
 def real(name: str, value: Number) -> float:
@@ -76,16 +77,16 @@ def real(name: str, value: Number) -> float:
     try:
         number = float(fraction(value, name) if isinstance(value, str) else value)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} = {str(value)[:60]!r} is not a number; give a float such as 0.5") from None
+        raise InputError(Name(name), f" = {str(value)[:60]!r} is not a number; give a float such as 0.5") from None
     if not math.isfinite(number):
-        raise InputError(f"{name} = {number} is not finite; give a float such as 0.5")
+        raise InputError(Name(name), f" = {number} is not finite; give a float such as 0.5")
     return number
 
 
 def require_type(name: str, value: object, required: type | UnionType, what: str) -> None:
     """Refuse an argument that is not of the required type."""
     if not isinstance(value, required):
-        raise InputError(f"{name} is {what}, got {type(value).__name__}: {value!r:.60}")
+        raise InputError(Name(name), f" is {what}, got {type(value).__name__}: {value!r:.60}")
 
 
 def read_array(name: str, value: "ArrayLike", *, finite: bool = True) -> FloatArray:
@@ -98,10 +99,10 @@ def read_array(name: str, value: "ArrayLike", *, finite: bool = True) -> FloatAr
             array = array.astype(np.float64, casting="safe" if array.dtype.kind == "c" else "unsafe")
     except (TypeError, ValueError, OverflowError):
         shown = "an integer beyond float64" if isinstance(value, int) else repr(value)[:60]
-        raise InputError(f"{name} = {shown} is not a number or an array of numbers; try 0.5") from None
+        raise InputError(Name(name), f" = {shown} is not a number or an array of numbers; try 0.5") from None
     if finite and not np.isfinite(array).all():
         bad = array[~np.isfinite(array)].flat[0]
-        raise InputError(f"{name} holds a value that is not finite: {bad}; give a float such as 0.5")
+        raise InputError(Name(name), f" holds a value that is not finite: {bad}; give a float such as 0.5")
     return array
 
 
@@ -109,7 +110,7 @@ def read_rtol(rtol: Number, *, least: float = 1e-13, most: float = 1e-3) -> floa
     """Return a tolerance as a float, or refuse one that double precision cannot hold, or that means nothing."""
     number = real("rtol", rtol)
     if not least <= number <= most:
-        raise InputError(f"rtol = {number:g} is outside {least:g} to {most:g}")
+        raise InputError(Name("rtol"), f" = {number:g} is outside {least:g} to {most:g}")
     return number
 
 

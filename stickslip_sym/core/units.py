@@ -9,6 +9,7 @@ from fractions import Fraction
 from typing import Any
 
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.remedies import Name
 from stickslip_sym.core.symbols import QUANTITIES
 
 SIZES = {
@@ -73,8 +74,9 @@ def in_si(value: Any, name: str, unit: str | None = None) -> Any:
     required = dimensions(expected) if expected else None
     if required is not None and required[1] != powers:
         raise InputError(
-            f"{name} = {value.strip()[:60]!r} has the unit {match['unit']}, and {name} is "
-            f"{'a pure number' if expected == '1' else f'in {expected}'}; write it so, or in a unit like that"
+            Name(name),
+            f" = {value.strip()[:60]!r} has the unit {match['unit']}, and {name} is "
+            f"{'a pure number' if expected == '1' else f'in {expected}'}; write it so, or in a unit like that",
         )
     shown, error, last = number.groups()
     if error is None and last is None:

@@ -10,6 +10,7 @@ import sympy as sp
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.remedies import Call
 from stickslip_sym.criteria.at_rest import vanishing
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model import in_flint
@@ -34,7 +35,8 @@ def certificate(
     if vanishing(branch_from(law.expr, law.point, sp.S.Zero), law.point)[1] != 0 and criterion.weight is not None:
         raise InputError(
             f"mu(v) = {law.text} vanishes at rest faster than any power of v, for which the script has no rule; "
-            "derive(law).certificate() proves the closed form, where there is one"
+            "the closed form, where there is one, is proved by ",
+            Call("derive(law).certificate()", "export LAW --certificate FILE.py"),
         )
     script = LawInFlint(law, "".join(page.values()))
     if criterion.weight is None:

@@ -12,6 +12,7 @@ from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.deadline import time_limit as limit
 from stickslip_sym.core.errors import InputError, NoClosedForm, NotConverged, OutOfTime
 from stickslip_sym.core.numbers import Number, exact, require_type, suggestion
+from stickslip_sym.core.remedies import Argument, Call
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.symbols import N, V, c, mu, v
 from stickslip_sym.criteria.criterion import Criterion, find
@@ -35,8 +36,10 @@ from stickslip_sym.output.notation import check_known, notation_of
 
 _SEARCHING = 2.0  # seconds of the processor for SymPy: what it finds at all, it finds in that time
 _REMEDY = (
-    "Take the criterion as a fast function, stickslip_sym.slope_average, which stickslip export writes as code,"
-    " or by quadrature, stickslip_sym.quadrature.damping"
+    ". Take the criterion as a fast function: ",
+    Call("stickslip_sym.slope_average", "export LAW --python FILE"),
+    "; or its value by quadrature: ",
+    Call("stickslip_sym.quadrature.damping", "derive LAW"),
 )
 _LINEAR = "a criterion is linear in mu, and a change of the unit of speed scales it"
 
@@ -343,8 +346,10 @@ def derive(
             return _derived(law, criterion, search, at)
     except OutOfTime:
         raise NoClosedForm(
-            f"the time limit of {time_limit:g} s was reached while {stage}; give it more time with "
-            "time_limit=..., or take the criterion by stickslip_sym.slope_average"
+            f"the time limit of {time_limit:g} s was reached while {stage}; give it more time with ",
+            Argument("time_limit"),
+            ", or take the criterion by ",
+            Call("stickslip_sym.slope_average", f"damping LAW --method {criterion.name}"),
         ) from None
 
 
@@ -380,7 +385,7 @@ def _derived(law: FrictionLaw, criterion: Criterion, search: bool, at: Progress)
             average.find(_SEARCHING if search else 0.0, at)
         except NoClosedForm as failure:
             raise NoClosedForm(
-                f"the term {name} has no closed form that is known here: {failure}. {_REMEDY}"
+                f"the term {name} has no closed form that is known here: {failure}", *_REMEDY
             ) from None
     for term, average in form.averages:
         name = printing.text(term.profile)

@@ -13,6 +13,7 @@ from sympy.core.function import AppliedUndef
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.remedies import Call
 from stickslip_sym.core.status import Status
 from stickslip_sym.formula.derivation import Derivation, Step
 from stickslip_sym.formula.proof.theorems import ChangeOfVariable, LinearSolution
@@ -30,7 +31,8 @@ def certificate(derivation: Derivation) -> str:
     if derivation.status is not Status.PROVED:
         raise InputError(
             f"{derivation.title} is {derivation.status.value}, and a certificate is for what is PROVED; its steps "
-            "say what is open: print(derivation.text())"
+            "say what is open: ",
+            Call("print(derivation.text())", "derive LAW --steps"),
         )
     for number, step in enumerate(derivation.steps, 1):
         if step.by is not None and not isinstance(step.by, ChangeOfVariable | LinearSolution):

@@ -18,6 +18,7 @@ from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, Mpf, Numbers
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import read_array, suggestion, to_mpf
+from stickslip_sym.core.remedies import Argument, Call
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.criteria.enclosure import enclose
 from stickslip_sym.formula.code import writer
@@ -102,9 +103,8 @@ class SlopeAverage:
                     hint, known = suggestion(name, self.arguments), ", ".join(self.arguments)
                     raise InputError(f"{name!r} is not an argument of this closed form{hint}; it takes: {known}")
             missing = [name for name in self.arguments if name not in values]
-            raise InputError(
-                f"no value for {', '.join(missing)}; give {', '.join(f'{name}=...' for name in missing)}"
-            )
+            examples = ", ".join(str(Argument(name)) for name in missing)
+            raise InputError(f"no value for {', '.join(missing)}; give {examples}")
         if self.law.v_max is not None:
             speeds = np.ma.masked_invalid(np.ma.asarray(values["V"], dtype=np.float64))
             if speeds.count():
@@ -275,7 +275,10 @@ class SlopeAverage:
             if math.isnan(value):
                 raise
         if not math.isfinite(value):
-            raise InputError("the damping coefficient is beyond the range of float64; use evaluate(digits=...)")
+            raise InputError(
+                "the damping coefficient is beyond the range of float64; use ",
+                Call("evaluate(digits=...)", "derive LAW"),
+            )
         return value
 
     # -- what is made of it --------------------------------------------------------------------------

@@ -19,6 +19,7 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import without_squares
 from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.core.numbers import SAME, Number, exact, read_array, real, require_type, suggestion
+from stickslip_sym.core.remedies import AnySign, Argument, Values
 from stickslip_sym.core.uncertain import UFloat, separated, spread, with_error
 from stickslip_sym.core.units import in_si
 from stickslip_sym.model import at_rest
@@ -266,7 +267,8 @@ class FrictionLaw:
         if limit is sp.nan:
             raise InputError(
                 f"no limit mu(0+) was found for {self._label()}, {printing.text(self.expr)[:60]}; "
-                "give the static coefficient: static=..."
+                "give the static coefficient: ",
+                Argument("static"),
             )
         return limit
 
@@ -317,7 +319,8 @@ class FrictionLaw:
             if self.parameters[key].positive and value < 0:
                 raise InputError(
                     f"{key} = {float(value):g} is negative, but the law takes {key} as positive; "
-                    f"declare it with Parameter({key!r}, positive=False) if any sign is meant"
+                    "if any sign is meant, ",
+                    AnySign(key),
                 )
         bound = copy.copy(self)
         bound._values = {**self._values, **read}
@@ -343,9 +346,8 @@ class FrictionLaw:
         """Return the values of the parameters; refuse parameters in the expressions that have none."""
         used = {symbol.name for expr in exprs for symbol in expr.free_symbols} if self.missing else set()
         if missing := [key for key in self.missing if key in used]:
-            example = ", ".join(f"{key}=..." for key in missing)
             raise InputError(
-                f"{self._label()} has no value for {', '.join(missing)}; bind them first: law.bind({example})"
+                f"{self._label()} has no value for {', '.join(missing)}; give it first: ", Values.of(*missing)
             )
         return {self._parameters[key].symbol: value for key, value in self._values.items()}
 
@@ -389,7 +391,8 @@ class FrictionLaw:
             raise InputError(
                 f"{self._label()} is measured up to v = {float(self.v_max):g} m/s, and its value at "
                 f"{float(v):g} m/s is needed; measure further, take a lower speed, or hold the last "
-                "coefficient: extrapolate=True"
+                "coefficient: ",
+                Argument("extrapolate", True),
             )
 
     def kinks(self) -> list[Expr]:

@@ -24,6 +24,7 @@ from stickslip_sym.core.aliases import Expr, Mpf, Rational
 from stickslip_sym.core.errors import InputError, InputWarning
 from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.core.numbers import Number, exact, to_mpf
+from stickslip_sym.core.remedies import Argument, Call
 from stickslip_sym.model.expression.pieces import piecewise
 
 FEWEST, MOST = 4, 60
@@ -61,7 +62,8 @@ class SampledCurve:
         if speeds[0] != 0 and not extrapolate:
             raise InputError(
                 f"the first speed is {float(speeds[0]):g} m/s, and criteria need mu from v = 0 on; add a point "
-                "there, or pass extrapolate=True to hold the first coefficient below it"
+                "there, or hold the first coefficient below it: ",
+                Argument("extrapolate", True),
             )
         cubics = _hermite_cubics(speeds, coefficients)
         places = speeds[:-1]
@@ -135,9 +137,10 @@ def _checked(v: Iterable[Number], mu: Iterable[Number]) -> tuple[list[Rational],
         raise InputError(f"{len(v)} points were given; a curve needs {FEWEST} or more, so measure at more speeds")
     if len(v) > MOST:
         raise InputError(
-            f"{len(v)} points were given, and each becomes a piece of the formula; fit a law to so many "
-            f"(stickslip fit FILE, ss.fit), or average them over bins of speed to {MOST} or fewer: bins={MOST} "
-            "where the file is read"
+            f"{len(v)} points were given, and each becomes a piece of the formula; fit a law to so many (",
+            Call("stickslip_sym.fit", "fit FILE"),
+            f"), or average them over bins of speed to {MOST} or fewer, where the file is read: ",
+            Argument("bins", MOST),
         )
     speeds = [exact(_as_written(value), f"v of point {number}") for number, value in enumerate(v, 1)]
     for number, (before, speed) in enumerate(pairwise([-LARGEST, *speeds]), 1):

@@ -37,6 +37,7 @@ from stickslip_sym.core.balls import BallFunction, ball_function
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.numbers import SAME
 from stickslip_sym.core.precision import working_precision
+from stickslip_sym.core.remedies import Argument, Remedy
 from stickslip_sym.model.at_rest import Rising
 from stickslip_sym.model.expression.pieces import branch_from
 from stickslip_sym.model.expression.transitions import transitions
@@ -119,8 +120,8 @@ class FrictionTable:
         for any other formula.
     end : float
         The slip speed in m/s up to which mu is known and has a finite value, at most `FARTHEST`.
-    limit : str
-        What ends at `reach`, and what to try.
+    is_rough : bool
+        Whether it is from `reach` on that the law varies too often.
     pieces, firsts
         As for a `Rise`, with speeds in m/s.
 
@@ -138,7 +139,7 @@ class FrictionTable:
     kinks: tuple[float, ...]
     reach: float
     end: float
-    limit: str
+    is_rough: bool
     pieces: FloatArray = field(repr=False)
     firsts: tuple[int, ...] = field(repr=False)
 
@@ -156,7 +157,6 @@ class FrictionTable:
         onset = law.onset
         static = onset if law.static is None else law.static_value
         reach = math.inf if law.v_max is None else float(law.v_max)
-        limit = "the law is measured up to {}; measure further, or hold the last coefficient: extrapolate=True"
         farthest = FARTHEST if upto is None else upto
         rises = law.rises()  # of a measured law also where it is held, which is no kink of its formula
         starts = [sp.Integer(0), *law.kinks()] if law.curve is None else [sp.Integer(0)] * len(rises)
@@ -176,12 +176,19 @@ class FrictionTable:
                 if segment.is_rough:
                     if upto is not None or not parts:
                         raise NotConverged(_ROUGH.format(f"{end:.6g} m/s"))
-                    reach, limit = end, _ROUGH
+                    reach = end
                 if end < high:
                     break
         return FrictionTable(
-            onset, static, tuple(kinks[1:]), reach, end, limit, np.concatenate(parts), tuple(firsts)
+            onset, static, tuple(kinks[1:]), reach, end, segment.is_rough, np.concatenate(parts), tuple(firsts)
         )
+
+    def limit(self, speed: str) -> tuple[str | Remedy, ...]:
+        """Return what ends at `reach`, and what to try, as parts of a message; `speed` is that in words."""
+        if self.is_rough:
+            return (_ROUGH.format(speed),)
+        held = Argument("extrapolate", True)
+        return f"the law is measured up to {speed}; measure further, or hold the last coefficient: ", held
 
     def rise(self, v: float) -> float:
         """Return mu(v) - mu(0+) at a slip speed in m/s within the table."""

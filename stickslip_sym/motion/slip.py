@@ -325,8 +325,8 @@ class Dimensionless:
 
     def unmeasured(self, w: float) -> InputError:
         """Return the refusal of a slip speed beyond the last one of the table."""
-        limit = self.table.limit.format(f"{self.w_max:.6g} V")
-        return InputError(f"the motion reaches a slip speed of {w:.6g} V, {limit}")
+        limit = self.table.limit(f"{self.w_max:.6g} V")
+        return InputError(f"the motion reaches a slip speed of {w:.6g} V, ", *limit)
 
     def refusal(self, slip: Slip[float], rtol: float) -> StickSlipError | None:
         """Return why a slip has no answer; None where it has one, or grows without bound."""

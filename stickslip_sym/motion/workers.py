@@ -15,6 +15,7 @@ from typing import TypeVar
 
 from stickslip_sym.core.deadline import LONGEST, time_left, time_limit
 from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.core.remedies import Argument, Name
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -79,7 +80,9 @@ def _results(
             for future in as_completed(futures):
                 yield futures[future], future.result()
         except BrokenExecutor as error:
-            raise NotConverged(f"the executor ended before its work was done ({error}); try workers=1") from None
+            raise NotConverged(
+                f"the executor ended before its work was done ({error}); try ", Argument("workers", 1)
+            ) from None
         finally:
             for future in futures:
                 future.cancel()
@@ -91,8 +94,9 @@ def _executor(workers: Workers, tasks: int) -> AbstractContextManager[Executor |
         return nullcontext(workers)
     if isinstance(workers, bool) or not isinstance(workers, int) or (workers < 1 and workers != -1):
         raise InputError(
-            f"workers = {workers!r} must be a number of threads, at least 1, or -1 for all processors, or an "
-            "executor of concurrent.futures"
+            Name("workers"),
+            f" = {workers!r} must be a number of threads, at least 1, or -1 for all processors, or an "
+            "executor of concurrent.futures",
         )
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     count = min(workers if workers > 0 else usable, tasks)

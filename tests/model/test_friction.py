@@ -74,7 +74,7 @@ REFUSED = [
     ("a = 'abc' is not a number", lambda: ss.Parameter("a", typical="abc")),
     ("has no parameter 'alfa' .did you mean 'alpha'", lambda: LAW.bind(alfa=3)),
     ("alpha = -1 is negative.*positive=False", lambda: LAW.bind(alpha=-1)),
-    (r"no value for mu_m, alpha; bind them first: law.bind\(mu_m=..., alpha=...\)",
+    (r"no value for mu_m, alpha; give it first: law.bind\(mu_m=..., alpha=...\)",
      lambda: LAW.bind(mu_s=0.5).mu(0.1)),
 ]  # fmt: skip
 """What a refusal says, and what is refused."""
@@ -217,7 +217,7 @@ def test_a_static_coefficient_needs_its_parameters_only_where_it_enters():
         lambda law: ss.pure_slip_damping(law, V=0.5, N=1, method="harmonic").value,
     ):  # fmt: skip
         assert value(law) == value(plain)
-    with pytest.raises(ss.InputError, match=r"no value for mu_0, r; bind them first"):
+    with pytest.raises(ss.InputError, match=r"no value for mu_0, r; give it first"):
         ss.Oscillator(m=1, k=1, V=1, N=1).onset(law)
 
 

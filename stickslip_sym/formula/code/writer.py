@@ -17,6 +17,7 @@ from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import row
 from stickslip_sym.core.numbers import lookup
+from stickslip_sym.core.remedies import Values
 from stickslip_sym.core.status import Status
 from stickslip_sym.formula.code.languages import LANGUAGES, Language
 from stickslip_sym.formula.evaluation.branches import Branch, Table
@@ -49,7 +50,8 @@ def require_shapes(law: FrictionLaw) -> None:
     if missing:
         raise InputError(
             f"{', '.join(missing)} of the law {law.name or law.text} is a shape of a profile, whose branches are "
-            f"made when it has a value; bind it first: law.bind({missing[0]}=...)"
+            "made when it has a value; give it first: ",
+            Values.of(missing[0]),
         )
 
 

@@ -10,6 +10,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import fraction, require_type
+from stickslip_sym.core.remedies import Argument
 from stickslip_sym.model.expression.parsing import NAME, taken
 from stickslip_sym.model.expression.units import parse_unit
 
@@ -50,7 +51,8 @@ class Parameter:
         if self.typical is not None and fraction(self.typical, self.name) < 0 and self.positive:
             raise InputError(
                 f"the typical value {self.typical} of {self.name!r} is negative, but the parameter is declared "
-                "positive; declare it with positive=False if any sign is meant"
+                "positive; if any sign is meant, declare it with ",
+                Argument("positive", False),
             )
 
     @cached_property

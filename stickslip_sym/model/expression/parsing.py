@@ -114,12 +114,12 @@ def parse_expression(text: str, symbol: Callable[[str], Expr], described: Contai
     return _Parser(text, symbol, described).formula()
 
 
-def _refuse(text: str, position: int, reason: str) -> NoReturn:
+def _refuse(text: str, position: int, reason: str | InputError) -> NoReturn:
     """Raise an `InputError` that points at a character of a text."""
     position = min(position, len(text))
     start = max(0, position - 40)
     window = re.sub(r"\s", " ", text[start : position + 30])
-    raise InputError(f"{reason} (character {position + 1})\n  {window}\n  {' ' * (position - start)}^")
+    raise InputError(reason, f" (character {position + 1})\n  {window}\n  {' ' * (position - start)}^")
 
 
 @dataclass(frozen=True)
@@ -224,7 +224,7 @@ class _Parser:
         self.place += 1
         return token
 
-    def fail(self, token: _Token, reason: str) -> NoReturn:
+    def fail(self, token: _Token, reason: str | InputError) -> NoReturn:
         _refuse(self.text, token.position, reason)
 
     def close(self, opened: _Token, bracket: str) -> None:
@@ -251,7 +251,7 @@ class _Parser:
         try:
             yield
         except InputError as error:
-            self.fail(token, str(error))
+            self.fail(token, error)
 
     # -- grammar --
 

@@ -16,6 +16,7 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.balls import chosen, place_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import power, row
+from stickslip_sym.core.remedies import Argument
 
 Cases: TypeAlias = list[tuple[Expr, Expr | None]]
 """Smooth pieces of an expression in order, and the place where each ends; None is beyond every place."""
@@ -209,7 +210,8 @@ def in_pieces(branches: Sequence[tuple[Expr, Bound]], last: Expr) -> Expr:
     if any(bound.place.is_zero and bound.strict == (bound.side == ">") for _, bound in branches):
         raise InputError(
             "a piece holds at v = 0 alone; a law is that of slip, so leave this piece out, and give its "
-            "coefficient as the static one, static=..."
+            "coefficient as the static one: ",
+            Argument("static"),
         )
     law = last
     for branch, bound in reversed(branches):

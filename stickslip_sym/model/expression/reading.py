@@ -17,6 +17,7 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError, InputWarning
 from stickslip_sym.core.functions import fold, row
 from stickslip_sym.core.numbers import exact
+from stickslip_sym.core.remedies import Argument, Remedy
 from stickslip_sym.model.expression.normal_form import normal_form
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.parsing import parse_expression
@@ -145,7 +146,7 @@ def _check_constant(name: str) -> None:
     """Refuse the name of a parameter that is meant as a number."""
     plain = name.rstrip("_")
     if advice := "a law is real" if plain == "I" else _CONSTANTS.get(plain.lower()):
-        raise InputError(f"{name!r} looks like a constant; {advice}. {_or_declare(name)}")
+        raise InputError(f"{name!r} looks like a constant; {advice}. ", *_or_declare(name))
 
 
 def _check_speed(names: Sequence[str], *, has_v: bool, bare: bool) -> None:
@@ -161,9 +162,9 @@ def _check_speed(names: Sequence[str], *, has_v: bool, bare: bool) -> None:
         if plain in _SPEEDS or similar or (not has_v and name[0] in "vV"):
             missing = "" if has_v else "the formula has no v, and "
             what = f"{missing}{name!r} looks like the slip speed, which is v"
-            raise InputError(f"{what}; write v. {_or_declare(name)}")
+            raise InputError(f"{what}; write v. ", *_or_declare(name))
         if has_v and plain in _LIKE_V:
-            _warn(f"{name!r} is taken for a parameter; the slip speed is v. {_or_declare(name)}")
+            _warn(f"{name!r} is taken for a parameter; the slip speed is v. ", *_or_declare(name))
     if names and not (has_v or bare):
         shown = ", ".join(names[:_SHOWN])
         _warn(
@@ -172,9 +173,9 @@ def _check_speed(names: Sequence[str], *, has_v: bool, bare: bool) -> None:
         )
 
 
-def _or_declare(name: str) -> str:
-    return f"If it is a parameter, say its unit: units={{{name!r}: ...}}"
+def _or_declare(name: str) -> tuple[str, Remedy]:
+    return "If it is a parameter, say its unit: ", Argument("units", {name: ...})
 
 
-def _warn(message: str) -> None:
-    warnings.warn(message, InputWarning, stacklevel=_DEPTH)
+def _warn(*parts: str | Remedy) -> None:
+    warnings.warn(InputWarning(*parts), stacklevel=_DEPTH)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, islice
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +14,7 @@ from scipy.special import chdtr, chdtrc, fdtrc
 from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import SAME
+from stickslip_sym.core.remedies import AnySign, Values
 from stickslip_sym.model.fitting.least_squares import Minimum, Problem
 from stickslip_sym.model.fitting.result import NORMAL, Fit, Fits
 from stickslip_sym.model.law import FrictionLaw
@@ -106,19 +107,19 @@ def fit(
         raise InputError("mu is missing; give fit(v, mu), or fit(read_measurements(path))")
     else:
         measured = Measurements.of(v, mu, sigma)
-    chosen, fits, rejected = _laws(laws), list[Fit](), dict[str, str]()
+    chosen, fits, rejected = _laws(laws), list[Fit](), dict[str, InputError]()
     count = progress or (lambda done, total: None)
     for done, (name, law) in enumerate(chosen.items()):
         count(done, len(chosen))
         try:
             fits.append(_fit_law(law, measured))
         except InputError as error:
-            rejected[name] = str(error)
+            rejected[name] = error
     count(len(chosen), len(chosen))
     if not fits:
-        reasons = "; ".join(f"{name}: {reason}" for name, reason in list(rejected.items())[:3])
-        raise InputError(f"no law could be fitted to {len(measured)} rows: {reasons}")
-    return Fits(fits, measured, rejected)
+        reasons = [part for name, error in islice(rejected.items(), 3) for part in ("; ", f"{name}: ", error)]
+        raise InputError(f"no law could be fitted to {len(measured)} rows: ", *reasons[1:])
+    return Fits(fits, measured, {name: str(error) for name, error in rejected.items()})
 
 
 def _laws(given: str | FrictionLaw | Iterable[str | FrictionLaw] | None) -> dict[str, FrictionLaw]:
@@ -257,7 +258,7 @@ def _rivals(fitted: Fit, rivals: list[tuple[int, Minimum]]) -> Iterator[str]:
             yield (
                 f"{name} = {minimum.p[i]:.4g} describes the measurements nearly as well as "
                 f"{fitted.values[name]:.4g}: standard errors hold for one of them; measure at more speeds, or "
-                f"fix it: law.bind({name}=...)"
+                f"fix it: {Values.of(name)}"
             )
 
 
@@ -329,9 +330,9 @@ def _undetermined(names: tuple[str, ...], which: IntArray, strength: FloatArray)
     """Return that one parameter says nothing, or several are not distinguished, and which to fix: the weakest."""
     weakest = names[min(which, key=lambda i: abs(strength[i]))]
     if len(which) == 1:
-        return InputError(f"these measurements say nothing of {weakest}; fix it: law.bind({weakest}=...)")
+        return InputError(f"these measurements say nothing of {weakest}; fix it: ", Values.of(weakest))
     mixed = " and ".join(names[i] for i in which)
-    return InputError(f"these measurements do not tell {mixed} apart; fix one: law.bind({weakest}=...)")
+    return InputError(f"these measurements do not tell {mixed} apart; fix one: ", Values.of(weakest))
 
 
 def _warnings(
@@ -342,19 +343,19 @@ def _warnings(
     for i, name in enumerate(names):
         if problem.positive[i] and problem.linear[i] and p[i] == 0:
             yield (
-                f"{name} is held at its bound 0, where the measurements ask for less; fix it: law.bind({name}=0), "
-                f"or declare Parameter({name!r}, positive=False) if any sign is meant"
+                f"{name} is held at its bound 0, where the measurements ask for less; fix it, "
+                f"{Values({name: 0})}, or, if any sign is meant, {AnySign(name)}"
             )
         elif problem.positive[i] and errors[i] > _LOOSE * p[i]:
             yield (
                 f"{name} = {p[i]:.3g} has a standard error of {errors[i]:.2g}: these measurements hardly "
-                f"determine it; fix it, law.bind({name}=...), or take a law without it"
+                f"determine it; fix it, {Values.of(name)}, or take a law without it"
             )
     for i, j in combinations(np.flatnonzero(errors).tolist(), 2):
         if abs(alike := covariance[i, j] / errors[i] / errors[j]) > _ALIKE:
             yield (
                 f"{names[i]} and {names[j]} are hardly distinguished, correlation {alike:.4f}; fix one: "
-                f"law.bind({names[j]}=...)"
+                f"{Values.of(names[j])}"
             )
     settled = len(names) + measured.differences
     count, dof, inflation = len(measured), len(measured) - settled, noise.inflation

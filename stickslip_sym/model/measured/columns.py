@@ -12,10 +12,15 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.remedies import Argument
 from stickslip_sym.core.units import SIZES
 
 EXPECTED = "v [m/s],mu or v [mm/s];F_t [N];F_n [N];sigma_mu"
-_ADVICE = f"choose columns, like columns={{'mu': 'COF', 'v': '2 [mm/s]'}}, or write a header like {EXPECTED}"
+_ADVICE = (
+    "; choose columns, like ",
+    Argument("columns", {"mu": "COF", "v": "2 [mm/s]"}),
+    f", or write a header like {EXPECTED}",
+)
 KINDS = {
     "v": ("speed", "rotation"), "mu": ("number",), "F_t": ("force",), "F_n": ("force",), "sigma_mu": ("number",),
     "sigma_F_t": ("force",), "n": ("number",),
@@ -199,14 +204,15 @@ def choose_columns(
             if rolling and column.meanings == ("v",) and "v" not in chosen and not _OF_SLIP.search(column.name):
                 fault = (
                     f"beside {_quoted(rolling.text)} this may be the mean speed of two rolling bodies, and the "
-                    f"slip speed that ratio times it; if it is the slip speed, columns={{'v': {column.number}}}"
+                    f"slip speed that ratio times it; if it is the slip speed, "
+                    f"{Argument('columns', {'v': column.number})}"
                 )
             if fault:
-                raise InputError(f"{where}, column {column.number}, {_quoted(column.text)}: {fault}; {_ADVICE}")
+                raise InputError(f"{where}, column {column.number}, {_quoted(column.text)}: {fault}", *_ADVICE)
             columns[column.possible[0]] = column
     if fault := _fault_of_all(columns, radius):
         known = [f"{_quoted(h.text)} as {' or '.join(h.meanings) or 'nothing'}" for h in headers if h.text]
-        raise InputError(f"{where}: {fault}; understood: {', '.join(known)[:300]}; {_ADVICE}")
+        raise InputError(f"{where}: {fault}; understood: {', '.join(known)[:300]}", *_ADVICE)
     return {quantity: columns[quantity] for quantity in KINDS if quantity in columns}
 
 
@@ -241,7 +247,8 @@ def _fault(column: Column, columns: Mapping[str, Column], radius: Fraction | Non
     if "v" in possible and unit is None and column.text.strip("\"' ") not in ("v", ""):  # V may be volts
         return "a speed without a unit; write v [m/s], or v [mm/s], whichever it is"
     if column.turns and radius is None:
-        return f"{column.unit_text} is a rotational speed; give the radius of the track in m, like radius=0.03"
+        like = Argument("radius", 0.03)
+        return f"{column.unit_text} is a rotational speed; give the radius of the track in m, like {like}"
     if len(possible) > 1:
         return f"this may be {' or '.join(possible)}"
     if column.unit_text == "%" and possible[0] == "sigma_mu":
@@ -249,7 +256,7 @@ def _fault(column: Column, columns: Mapping[str, Column], radius: Fraction | Non
     other = columns.get(possible[0])
     if other is None:
         return ""
-    both = " or ".join(f"columns={{'{possible[0]}': {one.number}}}" for one in (other, column))
+    both = " or ".join(str(Argument("columns", {possible[0]: same.number})) for same in (other, column))
     return f"column {other.number}, {_quoted(other.text)}, is {possible[0]} too; give {both}"
 
 

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, Rows
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import Number, fraction, read_array, real, require_type
+from stickslip_sym.core.remedies import Argument
 from stickslip_sym.model.measured.branches import Branches, branches_of
 from stickslip_sym.model.measured.table import Table, read_table
 from stickslip_sym.output import markup
@@ -37,7 +38,6 @@ _ROBUST = 1.4826 / 1.5**0.5  # standard deviation over the median of |mu_i - (mu
 _RESOLUTION = 0.01  # of mu: smaller steps are no outliers, however even the other rows are
 _SHOWN = 5  # rows of a preview
 _MOST_MARKS = 5000  # in a picture, beyond which they are drawn as an image and not each by itself
-_SMOOTH = "mu is more than 6 robust standard deviations off a smooth curve; keep such rows by keep_outliers=True"
 _OTHERS = {"sigma_mu": "sigma", "sigma_F_t": "sigma of F_t", "n": "n"}
 
 
@@ -354,7 +354,9 @@ def read_measurements(
     if not keep_outliers:
         off = _outliers(v[order], mu[order])
         smooth = ~np.isin(np.arange(len(v)), order[off])
-        table.require(smooth, "F_t" if "F_t" in table.cells else "mu", _SMOOTH, "off a smooth curve")
+        rule = "mu is more than 6 robust standard deviations off a smooth curve; keep such rows by "
+        rule += str(Argument("keep_outliers", True))
+        table.require(smooth, "F_t" if "F_t" in table.cells else "mu", rule, "off a smooth curve")
         order = order[~off]
     if table.faults:
         notes.append(f"rows left out: {table.left_out}")

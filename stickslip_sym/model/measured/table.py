@@ -16,6 +16,7 @@ import numpy as np
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.remedies import Argument
 from stickslip_sym.model.measured.columns import EXPECTED, Column, choose_columns, is_header, read_unit
 
 SEPARATORS = "\t;|, "
@@ -41,7 +42,7 @@ _FIRST_TWO = {"v": 1, "mu": 2}
 _WORKBOOKS = {b"PK\x03\x04": ".xlsx or .ods", b"\xd0\xcf\x11\xe0": ".xls"}
 _MOST_LEFT_OUT = 0.2  # share of the rows that break a rule, above which columns or units are not what they seem
 _Row: TypeAlias = tuple[int, list[str]]  # its line, and its cells
-_FAULTY = "mend the row, begin it with #, or leave out rows like it: leave_out=True"
+_FAULTY = "; mend the row, begin it with #, or leave out rows like it: ", Argument("leave_out", True)
 
 
 @dataclass
@@ -79,7 +80,7 @@ class Table:
     def fault(self, line: int, where: str, got: str, rule: str, reason: str) -> None:
         """Refuse a line, or note why it is left out."""
         if not self.leave_out:
-            raise InputError(f"{where}: {rule}; got {got}; {_FAULTY}")
+            raise InputError(f"{where}: {rule}; got {got}", *_FAULTY)
         self.faults.setdefault(reason, []).append(line)
 
     def require(
@@ -272,7 +273,8 @@ def _layout(lines: Sequence[_Line], name: str) -> tuple[str, list[str], str, lis
     raise InputError(
         f"{name}, line {rows[0].number}: got {rows[0].text[:60]!r}; a table begins with a header that names the "
         f"slip speed and friction, with units in brackets, like {EXPECTED}, or with its first point; number the "
-        "columns of one without names, like columns={'v': 1, 'mu': 3}"
+        "columns of one without names, like ",
+        Argument("columns", {"v": 1, "mu": 3}),
     )
 
 

@@ -13,6 +13,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import read_array, real, suggestion
+from stickslip_sym.core.remedies import Values
 from stickslip_sym.core.units import in_si
 from stickslip_sym.model.content import text_of_law
 from stickslip_sym.model.law import FrictionLaw
@@ -206,8 +207,10 @@ def read_plane(
     for end in (0, -1):
         law, _ = placed(law, values | {axis.name: float(axis.values[end]) for axis in axes})
     if law.missing:
-        missing = ", ".join(law.missing)
-        raise InputError(f"the law has no value for {missing}; bind them first, or make one an axis")
+        raise InputError(
+            f"the law has no value for {', '.join(law.missing)}; make one an axis, or give it first: ",
+            Values.of(*law.missing),
+        )
     return axes, law, values
 
 

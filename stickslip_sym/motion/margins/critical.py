@@ -22,6 +22,7 @@ from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged
 from stickslip_sym.core.numbers import SAME, lookup, read_array, read_rtol, real
+from stickslip_sym.core.remedies import Argument
 from stickslip_sym.core.resolved import Root, Sampled, joined, nodes, resolve
 from stickslip_sym.core.units import in_si
 from stickslip_sym.criteria.criterion import Criterion, harmonic
@@ -50,6 +51,7 @@ _PIECES = 400  # of the table of a law, whose end no belt speed exceeds: of one 
 _LOOKS, _FEW_LOOKS = 200, 9  # belt speeds, and values of a parameter, at which that is asked
 _FEWEST = 3  # of these beside each other, that a range needs
 _AROUND = 100.0  # factor above and below a parameter's value within which it is sought
+_WITHIN = Argument("within", ("low", "high"))
 _FEW = 8  # thresholds by slips at once, up to which compiled code is not worth loading
 _CLOSE = 1e-8  # relative error of thresholds, and of polynomials through them
 _DISTANT = 1e-3  # of its distance from c, error of a threshold that suffices,
@@ -230,7 +232,7 @@ def critical(
         numbers = of_oscillator(osc, numbers, [name for name in values if name != of])
     missing = [name for name in ("c", "V", "N") if name not in (of, *numbers)]
     if missing and of != "c":
-        raise InputError(f"{' and '.join(missing)} must be given to find {of}: {missing[0]}=...")
+        raise InputError(f"{' and '.join(missing)} must be given to find {of}: ", Argument(missing[0]))
     rtol = read_rtol(rtol, least=TIGHT, most=1.0)
     with deadline.time_limit(time_limit):
         if of == "c":
@@ -326,7 +328,8 @@ class _Search:
             results = [self._result(x) for x in roots if looked[0] <= x <= looked[1]]
         elif self.criterion is not None and self.of in ("m", "k"):
             raise InputError(
-                f'an average of slopes does not depend on {self.of}; give m and k, and try method="orbit"'
+                f"an average of slopes does not depend on {self.of}; give m and k, and try ",
+                Argument("method", "orbit"),
             )
         else:
             with np.errstate(all="ignore"):
@@ -401,7 +404,7 @@ class _Search:
         """Return arguments between which thresholds are resolved: the range that is looked at, and kinks in it."""
         if not self.is_quantity:
             if not self._usual:
-                raise InputError(f"where to look for {self.of} is not known; give within=(low, high)")
+                raise InputError(f"where to look for {self.of} is not known; give ", _WITHIN)
             usual, factors = self._usual, np.geomspace(1 / _AROUND, _AROUND, _FEW_LOOKS)
             if not self._strong(usual).any():  # from there on both ways as far as friction is not too strong
                 strong = np.flatnonzero([self._strong(usual * factor).any() for factor in factors])
@@ -416,7 +419,7 @@ class _Search:
             strong = np.flatnonzero(np.r_[True, self._strong(speeds), True])
             first = int(np.diff(strong).argmax())  # of the widest range in which friction is nowhere too strong
             if strong[first + 1] - strong[first] < _FEWEST:
-                raise NotConverged(f"friction is too strong at every {self.of}; give within=(low, high)")
+                raise NotConverged(f"friction is too strong at every {self.of}; give ", _WITHIN)
             return _spaced(float(speeds[strong[first]]), float(speeds[strong[first + 1] - 2]))
         unit = self.at(1.0)
         excess = float((unit.strength / unit.V)[0]) * (self.law.static_value - self.law.onset)

@@ -20,6 +20,7 @@ from scipy.optimize import brentq
 from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NotConverged
+from stickslip_sym.core.remedies import Call
 from stickslip_sym.core.resolved import Resolved, Turn, resolve
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
@@ -74,7 +75,8 @@ class NeededDamping:
         if math.isnan(value):
             raise NotConverged(
                 f"the slip orbit of amplitude {A * system.V:g} m/s takes too many steps: friction is too strong; "
-                "try simulate()"
+                "try ",
+                Call("simulate()", "simulate LAW"),
             )
         return 0.0 if abs(value) <= _NEUTRAL else float(value)
 
@@ -213,7 +215,8 @@ class NeededDamping:
             if not self._passes(low, high, damping):
                 raise NotConverged(
                     f"the slip orbits with amplitudes from {low * V:.9g} to {high * V:.9g} m/s are not resolved "
-                    f"by {_MOST} orbits: limit cycles there may be missed; try simulate()"
+                    f"by {_MOST} orbits: limit cycles there may be missed; try ",
+                    Call("simulate()", "simulate LAW"),
                 )
         roots = {root.low: float(self.amplitudes(root.x)) for root in self.resolved.roots(damping)}
         signs = [self._sign(turn, damping) for turn in turns]

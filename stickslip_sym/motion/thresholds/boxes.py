@@ -26,6 +26,7 @@ from stickslip_sym.core.balls import BallFunction, ball, ball_function, series_f
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.precision import working_precision
+from stickslip_sym.core.remedies import Argument
 from stickslip_sym.model.at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.expression.pieces import branch_from
 from stickslip_sym.model.law import FrictionLaw
@@ -401,7 +402,8 @@ class _Walk:
         if level is None or not 0 <= self.number + side < len(self.segments):
             raise InputError(
                 "the slip from P goes beyond the last measured speed; "
-                "measure further, or hold the last coefficient: extrapolate=True"
+                "measure further, or hold the last coefficient: ",
+                Argument("extrapolate", True),
             )
         start, stop = self._around(step, end, lambda q, w: (w - level) * side)
         self._require_inside(step, start)

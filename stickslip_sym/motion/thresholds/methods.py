@@ -18,6 +18,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import BoolArray, FloatArray, ObjectArray
 from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.core.numbers import lookup
+from stickslip_sym.core.remedies import Argument, Name
 from stickslip_sym.criteria import criterion as criteria
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
@@ -113,13 +114,14 @@ class Method:
     def check(self, law: FrictionLaw, V: ArrayLike, has_oscillator: bool) -> None:
         """Refuse operating points without m and k, or a law that is not smooth, where they are needed."""
         if self.oscillator and not has_oscillator:
-            raise InputError(f'method="{self.name}" needs the mass m and the stiffness k')
+            raise InputError(Argument("method", self.name), " needs the mass m and the stiffness k")
         if self.smooth and (reason := obstacle(law, V)) is not None:
             raise _not_smooth(self.name, reason)
 
 
 def _not_smooth(name: str, reason: str) -> InputError:
-    return InputError(f'method="{name}" needs a law that is smooth: {reason}; try method="simulation"')
+    named, other = Argument("method", name), Argument("method", "simulation")
+    return InputError(named, f" needs a law that is smooth: {reason}; try ", other)
 
 
 # -- the table -------------------------------------------------------------------------------------
@@ -169,17 +171,18 @@ def good_enough(
         refusal = computed.refusals.get(row)
         if isinstance(refusal, NoThreshold | InputError):
             raise refusal
-        reason = f": {refusal}" if refusal is not None else ""
-        more = "" if method is not None and method.name == "proof" else ', or method="proof"'
+        reason = (": ", refusal) if refusal is not None else ()
+        more = () if method is not None and method.name == "proof" else (", or ", Argument("method", "proof"))
         raise NotConverged(
-            f"rtol = {rtol:g} is not reached for {points.label(row)}{reason}{_best(points, computed, row)}; "
-            f"try another rtol{more}"
-        )
+            Name("rtol"), f" = {rtol:g} is not reached for {points.label(row)}", *reason,
+            f"{_best(points, computed, row)}; try another ", Name("rtol"), *more,
+        )  # fmt: skip
     lacking = far[~np.isfinite(computed.value[far])]
     if lacking.size:
         raise NotConverged(
             f"the method {method.name!r} gives no finite number for {points.label(int(lacking[0]))}: slopes of mu "
-            'are no numbers there, or overflow; check the law, or try method="simulation"'
+            "are no numbers there, or overflow; check the law, or try ",
+            Argument("method", "simulation"),
         )
     if points.has_oscillator:  # else nothing is known of the threshold itself
         some = points.rows(far)

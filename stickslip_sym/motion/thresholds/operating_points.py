@@ -13,6 +13,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import FloatArray, Rational, Rows
 from stickslip_sym.core.errors import NO_RESULT, InputError
 from stickslip_sym.core.numbers import exact, fraction, read_array
+from stickslip_sym.core.remedies import Argument
 from stickslip_sym.core.uncertain import UFloat, split
 from stickslip_sym.criteria.rule import slope_average
 from stickslip_sym.model.law import FrictionLaw
@@ -56,9 +57,7 @@ class OperatingPoints:
             numbers = of_oscillator(osc, numbers, ("V", "N", "m", "k"))
         for name in ("V", "N"):
             if name not in numbers:
-                raise InputError(
-                    f"the {symbols.QUANTITIES[name].meaning} is missing: give {name}=..., or an Oscillator"
-                )
+                raise InputError(f"the {symbols.QUANTITIES[name].meaning} is missing: give ", Argument(name))
         if ("m" in numbers) != ("k" in numbers):
             raise InputError("give both the mass m and the stiffness k, or neither")
         arrays, uncertain, exactly = {}, {}, {}
@@ -168,7 +167,7 @@ def of_oscillator(osc: Oscillator, numbers: Mapping[str, Any], names: Sequence[s
     """Return quantities of an oscillator by name; refuse what is none, and numbers beside it."""
     if not isinstance(osc, Oscillator):
         raise InputError(
-            f"got {osc!r} where an Oscillator is expected; write (law, Oscillator(...)), or give V=, N=, m= and k="
+            f"got {osc!r} where an Oscillator is expected; write (law, Oscillator(...)), or give V, N, m and k"
         )
     if numbers:
         raise InputError(f"{', '.join(numbers)} was given beside an Oscillator, which holds it; give one of both")

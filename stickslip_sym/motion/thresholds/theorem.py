@@ -18,6 +18,7 @@ from stickslip_sym.core.aliases import Rational
 from stickslip_sym.core.balls import ball_value
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold
 from stickslip_sym.core.precision import working_precision
+from stickslip_sym.core.remedies import Argument
 from stickslip_sym.criteria.enclosure import Enclosure, enclosure_of
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.lipschitz import BITS_OF_SIGNS, lipschitz_evidence
@@ -253,8 +254,8 @@ def checked_hypotheses(point: ExactPoint) -> tuple[tuple[str, str], ...]:
     law = point.law
     smooth, how = lipschitz_evidence(law)
     if not smooth:
-        raise InputError(f"a threshold is proved for laws that are locally Lipschitz for v > 0, and {how}; "
-                         'try method="simulation", which takes all laws')  # fmt: skip
+        raise InputError(f"a threshold is proved for laws that are locally Lipschitz for v > 0, and {how}; try ",
+                         Argument("method", "simulation"), ", which takes all laws")  # fmt: skip
     lipschitz = ("mu is locally Lipschitz for v > 0", how)
     if law.static is None:
         return (lipschitz, ("the static coefficient is mu(0+)", "the law has no other"))

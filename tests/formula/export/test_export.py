@@ -215,7 +215,7 @@ def test_octave_text_is_matlab_too():
 
 def test_a_shape_is_bound_before_code_is_written():
     law = ss.laws.stribeck
-    with pytest.raises(ss.InputError, match=r"delta of the law stribeck .* bind it first: law.bind\(delta"):
+    with pytest.raises(ss.InputError, match=r"delta of the law stribeck .* give it first: law.bind\(delta"):
         ss.derive(law).code("c")
     assert "delta" not in ss.derive(law.bind(delta="1.5")).code("python").split("def damping(")[1].split(")")[0]
 

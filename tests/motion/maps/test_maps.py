@@ -148,7 +148,7 @@ WRONG = [
     ({"N": None}, "N is missing: give the normal force"),
     ({"rtol": 1.0}, "rtol = 1 is outside"),
     ({"x": ("V", np.arange(1, 3000)), "y": ("c", np.arange(1000))}, "more than 1000000"),
-    ({"law": ss.laws.exponential.bind(mu_s=0.5, mu_m=0.2)}, "no value for alpha; bind them first, or make one an"),
+    ({"law": ss.laws.exponential.bind(mu_s=0.5, mu_m=0.2)}, "no value for alpha; make one an axis, or give"),
 ]  # fmt: skip
 
 

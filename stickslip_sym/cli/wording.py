@@ -1,0 +1,55 @@
+"""How the command line words what a message advises: with options, of the command that was given or of another."""
+
+import click
+
+from stickslip_sym.core.remedies import AnySign, Argument, Call, Name, Remedy, Values
+
+
+def in_options(remedy: Remedy, context: click.Context) -> str:
+    """Return what to give as a user of the command line gives it; `context` is that of the program."""
+    match remedy:
+        case Name(name):
+            option = _option(name)
+            return option if len(name) > 1 and option in _options(context, context.invoked_subcommand) else name
+        case Argument(name, dict(entries)):  # one option for each
+            return " ".join(_given(context, name.removesuffix("s"), _pair(*entry)) for entry in entries.items())
+        case Argument(name, tuple(ends)):
+            return _given(context, name, ":".join(map(str.upper, ends)))
+        case Argument(name, value):
+            return _given(context, name, "" if value is True else _text(value))
+        case Values(values):
+            return " ".join(f"-p {_pair(*entry)}" for entry in values.items())
+        case AnySign(parameter):
+            return f"write the formula with -{parameter}, and give a positive value"
+        case Call():
+            return f"stickslip {remedy.command}"
+    raise TypeError(f"{remedy!r} is worded nowhere")
+
+
+def _given(context: click.Context, name: str, value: str) -> str:
+    """Return an option with its value, behind another command where the present one has no such option."""
+    option = _option(name)
+    program, present = context.command, context.invoked_subcommand
+    commands = program.list_commands(context) if isinstance(program, click.Group) else []
+    command = next((each for each in (present, *commands) if option in _options(context, each)), present)
+    return " ".join(filter(None, ("" if command == present else f"stickslip {command}", option, value)))
+
+
+def _options(context: click.Context, command: str | None) -> set[str]:
+    if command is None or not isinstance(context.command, click.Group):
+        return set()
+    found = context.command.get_command(context, command)
+    return set() if found is None else {text for parameter in found.params for text in parameter.opts}
+
+
+def _option(name: str) -> str:
+    return f"-{name}" if len(name) == 1 else f"--{name.replace('_', '-')}"
+
+
+def _pair(name: str, value: object) -> str:
+    return f"{name}={_text(value)}"
+
+
+def _text(value: object) -> str:
+    text = "..." if value is ... else str(value)
+    return f'"{text}"' if " " in text else text
