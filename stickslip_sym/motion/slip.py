@@ -1,4 +1,4 @@
-"""`Dimensionless`: an oscillator free of units, and its slips, one in plain Python or many; `steps` says how."""
+"""`Dimensionless`: an oscillator free of units, and its slips, one in plain Python or many; `kernel` says how."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -16,7 +16,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.model.table import FARTHEST, FrictionTable, Rise
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
-from stickslip_sym.motion.steps import (
+from stickslip_sym.motion.kernel.data import (
     MOST_STEPS,
     TIGHT,
     Branch,
@@ -26,12 +26,11 @@ from stickslip_sym.motion.steps import (
     Step,
     Stop,
     Wedge,
-    entered,
-    follow,
     no_wedge,
-    rate_at,
-    stepped,
 )
+from stickslip_sym.motion.kernel.follow import follow
+from stickslip_sym.motion.kernel.forces import entered, rate_at
+from stickslip_sym.motion.kernel.steps import stepped
 from stickslip_sym.motion.workers import collect
 
 Number = TypeVar("Number")
@@ -106,7 +105,7 @@ _BATCH = 4000  # slips between two looks at the time limit, some hundredths of a
 
 @dataclass(frozen=True)
 class Dimensionless:
-    """An oscillator with its law, free of units: the equations of this module with their numbers.
+    """An oscillator with its law, free of units: the equations of `kernel` with their numbers.
 
     Attributes
     ----------

@@ -8,8 +8,8 @@ from motions import points
 
 import stickslip_sym as ss
 from stickslip_sym.model.table import FrictionTable
+from stickslip_sym.motion.kernel.data import End
 from stickslip_sym.motion.slip import Dimensionless
-from stickslip_sym.motion.steps import End
 
 
 def systems(count, seed):

@@ -29,6 +29,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import Rise
 from stickslip_sym.motion.compiled import compilable
+from stickslip_sym.motion.kernel.data import ADDED, End
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.damping import needed_damping
 from stickslip_sym.motion.orbits.needed import SIGNS, needed_all, sure_gap
@@ -38,7 +39,6 @@ from stickslip_sym.motion.regimes.overtaking import reaches, rounds_outside
 from stickslip_sym.motion.regimes.regime import regime
 from stickslip_sym.motion.roots import NEAREST, OrbitSigns, orbit_signs
 from stickslip_sym.motion.slip import Dimensionless
-from stickslip_sym.motion.steps import ADDED, End
 from stickslip_sym.motion.thresholds.averages import slope_mean
 
 LATE = "not reached: time limit, or Ctrl-C"

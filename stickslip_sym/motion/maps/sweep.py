@@ -21,6 +21,7 @@ from stickslip_sym.core.resolved import NODES, Piece, Resolved, Turn, fitted, jo
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
+from stickslip_sym.motion.kernel.data import TIGHT
 from stickslip_sym.motion.maps.basins import Share, shares_by_area
 from stickslip_sym.motion.maps.drawing import regions_of_motions
 from stickslip_sym.motion.maps.table import Axis, AxisValues, Table, placed, read_axis, read_values
@@ -29,7 +30,6 @@ from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.damping import needed_damping
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.regimes.regime import Regime, kept_regime
-from stickslip_sym.motion.steps import TIGHT
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

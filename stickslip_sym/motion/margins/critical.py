@@ -31,10 +31,10 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import FrictionTable
+from stickslip_sym.motion.kernel.data import TIGHT
 from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, needed_ratio, rough_ratio, sure_gap
 from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.motion.slip import Dimensionless
-from stickslip_sym.motion.steps import TIGHT
 from stickslip_sym.motion.thresholds.averages import average, slope_mean
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, transit
 from stickslip_sym.motion.thresholds.methods import Method, accuracy, ask, find_method, methods

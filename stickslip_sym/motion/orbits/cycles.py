@@ -11,9 +11,9 @@ from stickslip_sym.core import deadline
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.motion.kernel.data import TIGHT
 from stickslip_sym.motion.orbits.damping import NeededDamping, needed_damping
 from stickslip_sym.motion.orbits.needed import PARTED, halves
-from stickslip_sym.motion.steps import TIGHT
 from stickslip_sym.output import markup
 
 _BESIDE = 1e-7  # distance from an orbit over its amplitude: by its square the gap changes beside a fold

@@ -26,6 +26,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import FrictionTable
 from stickslip_sym.motion.compiled import is_ready
+from stickslip_sym.motion.kernel.data import TIGHT, End
 from stickslip_sym.motion.orbits.needed import (
     ROUNDING,
     SIGNS,
@@ -37,7 +38,6 @@ from stickslip_sym.motion.orbits.needed import (
 from stickslip_sym.motion.roots import NEAREST
 from stickslip_sym.motion.simulation.cycle import first_minimum
 from stickslip_sym.motion.slip import Dimensionless
-from stickslip_sym.motion.steps import TIGHT, End
 
 _RTOL = 1e-9  # of d, that its polynomials may leave out
 _MOST = 2000  # orbits, to resolve it

@@ -27,8 +27,7 @@ from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.model.table import Pieces, Rise
 from stickslip_sym.motion.compiled import compilable
-from stickslip_sym.motion.slip import Dimensionless
-from stickslip_sym.motion.steps import (
+from stickslip_sym.motion.kernel.data import (
     MOST_STEPS,
     PRECISE,
     TIGHT,
@@ -38,11 +37,11 @@ from stickslip_sym.motion.steps import (
     State,
     Stop,
     Wedge,
-    follow,
-    interval,
     no_wedge,
-    rise_at,
 )
+from stickslip_sym.motion.kernel.follow import follow
+from stickslip_sym.motion.kernel.forces import interval, rise_at
+from stickslip_sym.motion.slip import Dimensionless
 
 SIGNS = 1e-11
 """The relative tolerance of the steps along which the sign of a gap is decided."""

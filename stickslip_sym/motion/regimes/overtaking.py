@@ -33,8 +33,8 @@ from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.resolved import resolve
 from stickslip_sym.model.table import FrictionTable
+from stickslip_sym.motion.kernel.data import ADDED, PRECISE
 from stickslip_sym.motion.slip import Dimensionless
-from stickslip_sym.motion.steps import ADDED, PRECISE
 
 _NEAREST, _BESIDE = 1e-12, 1e-9  # over the reach, and over a displacement: where a round that sticks is sought
 _FARTHEST = 1e6  # displacement up to which cycles are sought where there is no reach

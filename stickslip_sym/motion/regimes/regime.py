@@ -25,6 +25,7 @@ from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
+from stickslip_sym.motion.kernel.data import ADDED, End
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles
 from stickslip_sym.motion.orbits.damping import needed_damping
@@ -36,7 +37,6 @@ from stickslip_sym.motion.roots import NEAREST
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle, first_minimum, stick_slip_cycle
 from stickslip_sym.motion.simulation.simulate import simulate
 from stickslip_sym.motion.slip import Dimensionless
-from stickslip_sym.motion.steps import ADDED, End
 from stickslip_sym.output import drawing, markup
 
 if TYPE_CHECKING:

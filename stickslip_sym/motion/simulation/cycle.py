@@ -17,8 +17,8 @@ from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.motion.kernel.data import End
 from stickslip_sym.motion.slip import Dimensionless
-from stickslip_sym.motion.steps import End
 from stickslip_sym.output import markup
 
 

@@ -17,8 +17,8 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import SAME, read_array
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.motion.kernel.data import ADDED
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.steps import ADDED
 from stickslip_sym.output import drawing, files, markup
 
 if TYPE_CHECKING:

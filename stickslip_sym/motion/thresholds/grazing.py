@@ -15,9 +15,9 @@ from stickslip_sym.model.expression.pieces import places, rate
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import FrictionTable, Pieces
+from stickslip_sym.motion.kernel.data import TIGHT, End, Wedge, no_wedge
 from stickslip_sym.motion.orbits.needed import PARTED, gap, needed_ratio
 from stickslip_sym.motion.slip import Dimensionless
-from stickslip_sym.motion.steps import TIGHT, End, Wedge, no_wedge
 
 _BEYOND = 1.5  # times the highest slip speed, up to which a derivative of the law is tabulated: steps try further
 _SAME = 1e-8  # relative distance of two slip speeds that are one, as the highest and one at which mu jumps

@@ -23,10 +23,10 @@ from stickslip_sym.criteria import criterion as criteria
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.table import FrictionTable
+from stickslip_sym.motion.kernel.data import TIGHT
 from stickslip_sym.motion.orbits.expansion import expand, expansion_changes, of_layer
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.orbits.orbit import obstacle, orbits
-from stickslip_sym.motion.steps import TIGHT
 from stickslip_sym.motion.thresholds.averages import average, average_changes
 from stickslip_sym.motion.thresholds.grazing import grazing_damping, grazing_sensitivity
 from stickslip_sym.motion.thresholds.operating_points import VANISHING, OperatingPoints

@@ -9,9 +9,9 @@ from operating_points import TWO, WAVY, WAVY_POINT, paper_oscillator
 from sweeps import sweep
 
 import stickslip_sym as ss
+from stickslip_sym.motion.kernel.data import End
 from stickslip_sym.motion.orbits.damping import needed_damping
 from stickslip_sym.motion.slip import Dimensionless
-from stickslip_sym.motion.steps import End
 
 
 def test_every_cycle_of_a_balance_not_monotone():

@@ -1,0 +1,297 @@
+"""`follow`: a slip from where it begins to where it ends, as a loop over steps."""
+
+import math
+
+from stickslip_sym.core.deadline import is_late
+from stickslip_sym.model.table import Rise
+from stickslip_sym.motion.compiled import compilable, inlined
+from stickslip_sym.motion.kernel.data import (
+    PRECISE,
+    ULP,
+    Branch,
+    End,
+    Extent,
+    Field,
+    Pace,
+    Run,
+    State,
+    Step,
+    Stop,
+    Trial,
+    Wedge,
+)
+from stickslip_sym.motion.kernel.events import land
+from stickslip_sym.motion.kernel.forces import entered, interval, rate_at, rise_at, slope_at
+from stickslip_sym.motion.kernel.steps import AMPLIFIED, stepped
+
+_LONGEST_STEP = 0.25  # explicit; at twice that what a step is off shows in thresholds
+_STIFF = 10.0  # a decay of w, per unit of time, below which explicit steps are cheap enough
+_STABLE = 2.5  # decay times a step, from which stability holds it short: the explicit method bears about 6
+_LOOK = 100  # steps between two looks at the time limit
+_PATIENCE = 15  # steps held short by stability before the method changes
+_NO_ERROR = 1e-7  # of the tolerance, that may be nothing but rounding
+_SHORTEST = 1e-14  # length of a step, over max(tau, 1), that is not made shorter
+_REST_WITHIN = 10  # times the tolerance: nearer to rest the errors of steps do not let the mass come
+_BESIDE = 1e-6  # of w = 1, over which the slope of mu at rest is taken
+_CREEP = 2.0  # decay of w from which a deviation from rest has real exponents
+
+
+@compilable
+def follow(
+    rise: Rise, field: Field, hold: float, begin: State, stop: Stop, wedge: Wedge, rtol: float, recorded: bool
+) -> Run:
+    """Follow slip from a state at tau = 0, whose side is that of the field; its rate is not read.
+
+    - `hold`: 2 eta mu_static, the width in q of the range where static friction holds the mass.
+    - `recorded`: keep the steps.
+    """
+    steps = [Step(0.0, 0.0, 0.0, 0.0, 0.0, 0, False)]
+    steps.pop()
+    q, u, farthest = begin.q, begin.side * begin.w, rise.levels[-1]
+    taken, passed, q_least, q_most, u_least, u_most = 0, 0, q, q, u, u
+    if not (begin.w <= farthest and abs(q) < math.inf):
+        return Run(End.OUTSIDE, begin, Extent(taken, passed, q, q, u, u), steps)
+    segment, rising, state = _begun(rise, field, begin)
+    branch = entered(rise, segment, True, state.w)
+    pace = _first_pace(field, state, rtol)
+    at_kink = not rising and segment > 0 and state.w == rise.levels[segment]  # it leaves downward
+    close = _BESIDE + _REST_WITHIN * rtol
+    end = End.OPEN
+    while end == End.OPEN:
+        if at_kink:
+            at_kink = False
+            before = state
+            end, segment, rising, state, slide = _enter(rise, field, state, segment, rising, stop, wedge)
+            if slide > -1.0:
+                if recorded:
+                    steps.append(Step(before.tau, before.q, before.w, 0.0, slide, -1, False))
+                taken, q_least, q_most = taken + 1, min(q_least, state.q), max(q_most, state.q)
+            if end != End.OPEN:
+                break
+            branch = entered(rise, segment, rising, state.w)
+            state = _at_rate(state, rate_at(branch, field, state.q, state.w))
+        end = _interruption(state.tau, taken, stop)
+        if end != End.OPEN:
+            break
+        trial, pace = _advance(branch, field, state, pace, stop.horizon - state.tau, rtol, wedge)
+        shortest = _SHORTEST * max(state.tau, 1.0)
+        if pace.again:
+            end = End.FAILED if trial.length <= shortest else End.OPEN
+            continue
+        border = rise.levels[segment + 1] if rising else rise.levels[segment]
+        event, trial = land(branch, field, state, trial, rising, border, stop.level, pace.implicit, rtol, wedge)
+        if event != End.OPEN and not trial.error < 1.0 and trial.length > shortest:
+            pace = _shortened(pace, trial)
+            continue
+        if recorded:
+            steps.append(Step(state.tau, state.q, state.w, state.rate, trial.length, segment, pace.implicit))
+        is_over = event == End.OPEN and pace.tried == stop.horizon - state.tau
+        tau = stop.horizon if is_over else state.tau + trial.length
+        state = State(tau, trial.q, trial.w, field.side, trial.rate, trial.wedge)
+        taken, u = taken + 1, field.side * trial.w
+        q_least, q_most = min(q_least, trial.q), max(q_most, trial.q)
+        u_least, u_most = min(u_least, u), max(u_most, u)
+        near = interval(branch.pieces, branch.first, branch.last, branch.near, trial.w)
+        if near != branch.near:
+            branch = Branch(branch.pieces, branch.first, branch.last, near)
+        may_rest = abs(trial.w - 1.0) <= close and event in (End.OPEN, End.LEVEL)
+        if may_rest and _is_rest(rise, field, state, rising, rtol):
+            end = End.REST
+        elif event == End.LEVEL:
+            at_kink = state.w == border and border > 0.0
+            if state.w == 0.0 and (passed == stop.passes or -hold <= state.q <= 0.0):
+                end = End.RETURN
+            elif state.w == 0.0:
+                field, state = _cross(branch, field, hold, state)
+                passed, rising = passed + 1, True
+            elif state.w == farthest:
+                end = End.OUTSIDE
+            elif stop.until == End.LEVEL and state.w == stop.level:
+                end = End.LEVEL
+        elif event != End.OPEN:
+            rising, state = not rising, _at_rate(state, 0.0)
+            end = event if stop.until == event else End.OPEN
+    return Run(end, state, Extent(taken, passed, q_least, q_most, u_least, u_most), steps)
+
+
+@compilable
+def _begun(rise: Rise, field: Field, begin: State) -> tuple[int, bool, State]:
+    """Return the segment of the law in which a slip begins, whether w rises there, and the state with its rate."""
+    w, segment = begin.w, 0
+    while segment + 2 < len(rise.levels) and w >= rise.levels[segment + 1]:
+        segment += 1
+    branch = entered(rise, segment, True, w)
+    rate = rate_at(branch, field, begin.q, w)
+    forces = abs(field.push) + abs(field.eta * rise_at(branch, w)) + abs(begin.q) + abs(field.damping * w)
+    noise = PRECISE * forces
+    rising = w == 0.0 or rate > noise or (abs(rate) <= noise and w < field.side)
+    return segment, rising, _at_rate(begin, rate)
+
+
+@compilable
+def _first_pace(field: Field, state: State, rtol: float) -> Pace:
+    """Return the pace of a slip that begins."""
+    fastest = max(1.0, max(abs(1.0 - field.side * state.w), abs(state.rate)))
+    length = min(3.0 * rtol**0.125 / fastest, _LONGEST_STEP)
+    return Pace(False, 0, length, 0.0, length, False)
+
+
+@compilable
+def _interruption(tau: float, taken: int, stop: Stop) -> End:
+    """Return why a slip is not followed further, or that it is."""
+    end = End.OPEN
+    if tau >= stop.horizon:
+        end = End.HORIZON
+    elif taken >= stop.most:
+        end = End.STEPS
+    elif taken % _LOOK == 0 and is_late():
+        end = End.LATE
+    return end
+
+
+@inlined
+def _advance(
+    branch: Branch, field: Field, state: State, pace: Pace, longest: float, rtol: float, wedge: Wedge
+) -> tuple[Trial, Pace]:
+    """Try a step of the kind and the length that the steps before it say, and return it with the pace after it.
+
+    The step is implicit where stability holds explicit ones short. One that is taken again is held short by
+    accuracy, as where mu is singular.
+    """
+    implicit, held, length, tried, bearable, again = pace
+    if not again:
+        decay = field.eta * slope_at(branch, state.w) + field.damping
+        # A third, so that the method does not change to and fro.
+        if implicit and decay <= _STIFF / 3.0:
+            implicit, held, length = False, 0, rtol**0.125 / max(1.0, abs(state.rate))
+        elif not implicit:
+            held = held + 1 if decay > _STIFF and decay * tried > _STABLE else 0
+            implicit = held >= _PATIENCE
+    h = min(length, longest)
+    if not implicit:
+        h = min(h, _LONGEST_STEP)
+    trial = stepped(implicit, branch, field, state, h, rtol, wedge)
+    error = trial.error
+    again = not error < 1.0
+    if again:
+        length = h * max(0.2, 0.9 * error**-0.125 if error < math.inf else 0.0)
+    else:
+        # The longest step that the tolerance bears, which may go on falling as it fell in this one.
+        before, bearable = bearable, h * max(error, _NO_ERROR) ** -0.125
+        length = 0.85 * bearable * min(1.0, bearable / before)
+    return trial, Pace(implicit, held, length, h, bearable, again)
+
+
+@compilable
+def _shortened(pace: Pace, trial: Trial) -> Pace:
+    """Return the pace for shorter steps to where the last one came, as where mu is singular at the level."""
+    return Pace(pace.implicit, pace.held, 0.5 * trial.length, pace.tried, pace.bearable, True)
+
+
+@compilable
+def _cross(branch: Branch, field: Field, hold: float, state: State) -> tuple[Field, State]:
+    """Return the forces and the state beyond the belt's speed: friction turns, and D changes as w' does."""
+    side = 1.0 if state.q > 0.0 else -1.0
+    field = Field(field.eta, field.push + 0.5 * (side - field.side) * hold, side, field.damping)
+    rate = rate_at(branch, field, state.q, state.w)
+    return field, State(state.tau, state.q, state.w, side, rate, state.wedge * rate / state.rate)
+
+
+@compilable
+def _enter(
+    rise: Rise, field: Field, state: State, segment: int, rising: bool, stop: Stop, wedge: Wedge
+) -> tuple[End, int, bool, State, float]:
+    """Let a mass pass the kink between two segments of the law, or slide where mu jumps there.
+
+    Returns the end if it is one, the segment beyond, whether w rises there, the state, and how long the mass
+      slides, -1 if it does not.
+    """
+    beyond = segment + 1 if rising else segment - 1
+    upper = max(segment, beyond)
+    across = rate_at(entered(rise, beyond, rising, state.w), field, state.q, state.w)
+    end, slide = End.OPEN, -1.0
+    if (across >= 0.0) == rising or rise.jumps[upper] == 0.0:
+        segment = beyond
+        if wedge.wanted and rise.jumps[upper] != 0.0:
+            state = _through(field, state, across, wedge.shifts[upper])
+    elif field.side * state.w == 1.0:
+        end, state = End.REST, _at_rate(state, 0.0)
+    else:
+        turn, segment, rising, slide = _slide(rise, field, state, upper, rising, stop.horizon)
+        state = _slid(field, state, slide, wedge.shifts[upper])
+        if turn == stop.until:
+            end, state = turn, _at_rate(state, 0.0)
+    return end, segment, rising, state, slide
+
+
+@compilable
+def _through(field: Field, state: State, across: float, shift: float) -> State:
+    """Return the state beyond a jump of mu, where w' is `across`; `shift` is that of the jump with p."""
+    moved, D = shift * (1.0 - field.side * state.w), state.wedge
+    if state.rate != 0.0:
+        D = moved + (D - moved) * across / state.rate
+    return State(state.tau, state.q, state.w, state.side, state.rate, D)
+
+
+@compilable
+def _slide(
+    rise: Rise, field: Field, state: State, upper: int, came_rising: bool, horizon: float
+) -> tuple[End, int, bool, float]:
+    """Find where a mass leaves a jump of mu at which it slides, since the rates on both sides lead to the jump.
+
+    It does so when the rate on the side that it leaves to turns.
+
+    - `upper`: the number of the segment that begins with the jump.
+
+    Returns the extremum of w that the slide is, if it is one, the segment that it leaves to, whether w rises then,
+      and how long it slides.
+    """
+    speed = field.side * (1.0 - field.side * state.w)
+    rising = speed > 0.0
+    segment = upper if rising else upper - 1
+    turning = rate_at(entered(rise, segment, rising, state.w), field, state.q, state.w)
+    length = min(horizon - state.tau, max(0.0, -turning / speed))
+    turn = End.OPEN
+    if rising != came_rising:
+        turn = End.MINIMUM if rising else End.MAXIMUM
+    return turn, segment, rising, length
+
+
+@compilable
+def _slid(field: Field, state: State, length: float, shift: float) -> State:
+    """Return the state after a slide at a jump of mu, the motions beside it lying on it."""
+    speed = 1.0 - field.side * state.w
+    return State(state.tau + length, state.q + length * speed, state.w, state.side, 0.0, shift * speed)
+
+
+@compilable
+def _at_rate(state: State, rate: float) -> State:
+    """Return a state with its rate."""
+    return State(state.tau, state.q, state.w, state.side, rate, state.wedge)
+
+
+@compilable
+def _is_rest(rise: Rise, field: Field, state: State, rising: bool, rtol: float) -> bool:
+    """Whether a mass with w near 1 is at rest within the tolerance, and stays there.
+
+    Where two segments of the law meet at rest, a motion may come to it in swings over both, where deviations decay
+    on the mean, or creep to it on one side, where that side has real exponents below 0.
+    """
+    eta, push, side, damping = field
+    q, w = state.q, state.w
+    if side < 0.0 or rise.levels[-1] <= 1.0 + _BESIDE:
+        return False
+    whole = Branch(rise.pieces, 0, rise.firsts[-1] - 1, 0)
+    lifted = eta * rise_at(whole, 1.0)
+    faster = (eta * rise_at(whole, 1.0 + _BESIDE) - lifted) / _BESIDE + damping
+    slower = (lifted - eta * rise_at(whole, 1.0 - _BESIDE)) / _BESIDE + damping
+    rest = damping - push + lifted
+    fastest = max(abs(faster), abs(slower))
+    noise = ULP * max(max(abs(push), abs(lifted)), max(abs(rest), abs(damping)))
+    if fastest > _STIFF:  # of implicit steps
+        noise *= AMPLIFIED / fastest
+    close = _REST_WITHIN * (rtol + noise)
+    if abs(w - 1.0) > close or abs(q - rest) > close * max(1.0, abs(rest)):
+        return False
+    decay = slower if w < 1.0 or (w == 1.0 and rising) else faster
+    return bool(faster + slower > 0.0 or decay >= _CREEP)
