@@ -50,7 +50,7 @@ def slope_average(
     if criterion.weight is None:
         slope = slope_between(law, V)
         return -slope, _ROUNDING * np.abs(slope), np.abs(slope)
-    own, table = like is None, like or table or FrictionTable.of(law)
+    own, table = like is None, like or table or law.bound.table
     parting = np.unique([*table.narrow.ravel(), *table.kinks])
     inside = (parting > (V * (1 - A))[:, None]) & (parting < (V * (1 + A))[:, None])
     parted = inside.any(axis=1)

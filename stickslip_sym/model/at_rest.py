@@ -94,16 +94,15 @@ def symbolic_limit_at_rest(expr: Expr) -> Expr:
 # -- rises -----------------------------------------------------------------------------------------
 
 
-def rises_of(expr: Expr, values: Mapping[Expr, Expr], kinks: Sequence[Expr]) -> list[tuple[float, Rising]]:
-    """Return where each smooth piece of a coefficient begins, ascending from 0, and mu(v) - mu(0+) on it.
+def rises_of(segments: Sequence[tuple[Expr, Expr]], values: Mapping[Expr, Expr]) -> list[tuple[float, Rising]]:
+    """Return where each smooth segment of a coefficient begins, and mu(v) - mu(0+) on it.
 
     The difference has the digits that are lost when two coefficients that are close are subtracted.
+
+    - `segments`: where each begins, exact and ascending from 0, and its formula.
     """
-    starts = [sp.Integer(0), *kinks]
-    pieces = [branch_from(expr, values, start) for start in starts]
-    return [
-        (float(start), _rise(values, pieces[0], piece, start)) for piece, start in zip(pieces, starts, strict=True)
-    ]
+    lowest = segments[0][1]
+    return [(float(start), _rise(values, lowest, formula, start)) for start, formula in segments]
 
 
 def _rise(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -> Rising:

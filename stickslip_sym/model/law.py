@@ -1,31 +1,29 @@
 """`FrictionLaw`: one expression mu(v) of the slip speed, its parameters and its source."""
 
 import copy
-import math
 from collections.abc import Callable, Iterable, Mapping
-from functools import lru_cache
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Self, SupportsFloat
 
-import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray, Rational
-from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.functions import without_squares
 from stickslip_sym.core.lambdify import Backend
-from stickslip_sym.core.numbers import SAME, Number, exact, read_array, real, require_type, suggestion
+from stickslip_sym.core.numbers import Number, exact, require_type, suggestion
 from stickslip_sym.core.remedies import AnySign, Argument, Values
 from stickslip_sym.core.uncertain import UFloat, separated, spread, with_error
 from stickslip_sym.core.units import in_si
 from stickslip_sym.model import at_rest
+from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.expression.parameters import Parameter
-from stickslip_sym.model.expression.pieces import kinks_at, rate
+from stickslip_sym.model.expression.pieces import rate
 from stickslip_sym.model.expression.reading import as_text, read_formula
+from stickslip_sym.model.expression.slope import slope_of
 from stickslip_sym.model.expression.units import check_units
 from stickslip_sym.model.measured.measurements import Measurements, read_measurements
 from stickslip_sym.model.samples import SampledCurve
@@ -326,7 +324,7 @@ class FrictionLaw:
         bound._values = {**self._values, **read}
         bound._uncertain = {key: error for key, error in self._uncertain.items() if key not in read} | errors
         if not bound.expr.free_symbols & {bound.parameters[key].symbol for key in bound.missing}:
-            bound.kinks()  # refuses values for which a kink has no place
+            bound.kinetic.require_kinks()
         return bound
 
     def typical(self, **values: Number | UFloat) -> Self:
@@ -334,51 +332,48 @@ class FrictionLaw:
         usual = {key: self.parameters[key].typical for key in self.missing}
         return self.bind(**{key: value for key, value in usual.items() if value is not None} | values)
 
-    @property
-    def point(self) -> dict[Expr, Expr]:
-        """The values of the parameters, exact, by symbol; those of the static coefficient alone may have none.
+    @cached_property
+    def bound(self) -> BoundLaw:
+        """The law as numbers; parameters without a value are refused, by name."""
+        return self.kinetic if self.static is None else self._with_values(self.static)
 
-        They do not belong into expressions: SymPy expands powers of long fractions.
-        """
-        return self._point(self.expr)
+    @cached_property
+    def kinetic(self) -> BoundLaw:
+        """The same of mu(v) alone: what only the static coefficient has needs no value."""
+        return self._with_values(None)
 
-    def _point(self, *exprs: Expr) -> dict[Expr, Expr]:
-        """Return the values of the parameters; refuse parameters in the expressions that have none."""
+    def _with_values(self, static: Expr | None) -> BoundLaw:
+        self._require_values(self.expr, sp.S.Zero if static is None else static)
+        values = [(of.symbol, self._values[key]) for key, of in self._parameters.items() if key in self._values]
+        return BoundLaw(self.expr, static, tuple(values), self.curve, self._label()).shared()
+
+    def _require_values(self, *exprs: Expr) -> None:
+        """Refuse parameters in the expressions that have no value."""
         used = {symbol.name for expr in exprs for symbol in expr.free_symbols} if self.missing else set()
         if missing := [key for key in self.missing if key in used]:
             raise InputError(
                 f"{self._label()} has no value for {', '.join(missing)}; give it first: ", Values.of(*missing)
             )
-        return {self._parameters[key].symbol: value for key, value in self._values.items()}
+
+    @property
+    def point(self) -> dict[Expr, Expr]:
+        """The values of the parameters, exact, by symbol; those of the static coefficient alone may have none."""
+        return dict(self.kinetic.point)
 
     def number(self, expr: Expr) -> float:
         """Return the value of an expression of the law's parameters."""
-        return float(number_at(expr, self._point(self.expr, expr)))
+        self._require_values(self.expr, expr)
+        return self.kinetic.number(expr)
 
     @property
     def onset(self) -> float:
         """The coefficient mu(0+), where slip begins; refused where mu has no finite limit."""
-        onset = at_rest.limit_at_rest(self.expr, self.point)
-        if not math.isfinite(onset):
-            raise InputError(
-                f"mu(0+) is {onset}, not a finite number, for {self!r}: no spring could ever pull the mass off "
-                "the belt; cut the law off at a small speed, as in log(1 + v/v_c) for log(v)"
-            )
-        return onset
+        return self.kinetic.onset
 
     @property
     def static_value(self) -> float:
         """The coefficient that limits sticking, at least mu(0+); a static coefficient below that is refused."""
-        onset = self.onset
-        if self.static is None:
-            return onset
-        static = real("the static coefficient", self.number(self.static))
-        if static < onset - SAME * abs(onset):
-            raise InputError(
-                f"the static coefficient {static:g} is below mu(0+) = {onset:g}: a contact that gives way would "
-                "stop the mass at once; give a static coefficient of at least mu(0+), or none"
-            )
-        return static if static > onset + SAME * abs(onset) else onset
+        return self.bound.static
 
     @property
     def v_max(self) -> Rational | None:
@@ -387,19 +382,12 @@ class FrictionLaw:
 
     def require_speed(self, v: SupportsFloat) -> None:
         """Refuse a slip speed beyond the last measured one, with both speeds, and what to do."""
-        if self.v_max is not None and float(v) > float(self.v_max):  # the double next to a decimal may be above it
-            raise InputError(
-                f"{self._label()} is measured up to v = {float(self.v_max):g} m/s, and its value at "
-                f"{float(v):g} m/s is needed; measure further, take a lower speed, or hold the last "
-                "coefficient: ",
-                Argument("extrapolate", True),
-            )
+        if self.curve is not None:
+            self.curve.require_speed(v, self._label())
 
     def kinks(self) -> list[Expr]:
         """Return the slip speeds v > 0 at which mu or its slope may jump, exact and ascending."""
-        return kinks_at(self.expr, self.point, self._label())
-
-    # -- functions of the slip speed -----------------------------------------------------------------
+        return list(self.kinetic.exact_kinks)
 
     def mu(self, v: ArrayLike) -> Any:
         """Return the friction coefficient mu(v) at slip speeds v >= 0 (m/s), float or array.
@@ -409,52 +397,23 @@ class FrictionLaw:
         InputError
             If a parameter has no value, a speed is negative or not finite, or mu has no real value there.
         """
-        return self._evaluate(v, derivative=False)
+        return self.kinetic.mu(v)
 
     def slope(self, v: ArrayLike) -> Any:
         """Return the slope dmu/dv (s/m) at slip speeds v >= 0 (m/s), float or array; refuses as `mu` does."""
-        return self._evaluate(v, derivative=True)
-
-    def _evaluate(self, v: ArrayLike, *, derivative: bool) -> Any:
-        speed = np.asarray(read_array("v", v, finite=False), np.float64)
-        wrong = ~((speed >= 0) & np.isfinite(speed))
-        if wrong.any():
-            first = speed[wrong].flat[0]
-            raise InputError(f"slip speed v = {first} is not a finite number >= 0; v is |x' - V|")
-        if speed.size:
-            self.require_speed(speed.max())
-        result = self.at_speeds(speed, derivative=derivative)
-        if (missing := np.isnan(result)).any():
-            what, first = "slope" if derivative else "value", speed[missing].flat[0]
-            raise InputError(f"{self._label()} has no {what} in double precision at the slip speed v = {first}")
-        return float(result) if result.ndim == 0 else result
-
-    def at_speeds(self, speeds: FloatArray, *, derivative: bool = False) -> FloatArray:
-        """Return mu, or its slope, at an array of slip speeds; NaN where it has no real value."""
-        try:
-            with np.errstate(all="ignore"):  # every piece of a law is computed, and one is taken
-                value = at_rest.reals(self.function("numpy", derivative=derivative)(speeds))
-        except ArithmeticError:
-            value = np.asarray(np.nan)
-        result = np.broadcast_to(value, speeds.shape).astype(np.float64)
-        at_zero = np.isnan(result) & (speeds == 0)
-        if at_zero.any():  # where a formula such as v^p/v is 0/0
-            result[at_zero] = at_rest.limit_at_rest(self.slope_expr if derivative else self.expr, self.point)
-        return result
+        return self.kinetic.slope(v)
 
     def function(self, backend: Backend, *, derivative: bool = False) -> Callable[[Any], Any]:
         """Return mu(v), or its slope, as a bare function of the numbers of one library; nothing is checked."""
-        if self.curve is not None:
-            return self.curve.function(backend, derivative=derivative)
-        return at_rest.function_at(self.slope_expr if derivative else self.expr, self.point, backend)
+        return self.kinetic.function(backend, derivative=derivative)
+
+    def at_speeds(self, speeds: FloatArray, *, derivative: bool = False) -> FloatArray:
+        """Return mu, or its slope, at an array of slip speeds; NaN where it has no real value."""
+        return self.kinetic.at_speeds(speeds, derivative=derivative)
 
     def rises(self) -> list[tuple[float, at_rest.Rising]]:
-        """Return where each smooth piece of mu begins, ascending from 0, and mu(v) - mu(0+) on it.
-
-        Each function is of an array, and continues smoothly beyond the ends of its piece, where another piece
-        holds. Where v is small it has the digits that are lost when two coefficients are subtracted.
-        """
-        return self.curve.rises if self.curve else at_rest.rises_of(self.expr, self.point, self.kinks())
+        """Return where each smooth piece of mu begins, and mu(v) - mu(0+) on it, as `BoundLaw.rises`."""
+        return list(self.kinetic.rises)
 
     # -- comparing and printing ----------------------------------------------------------------------
 
@@ -470,6 +429,10 @@ class FrictionLaw:
             frozenset(self._parameters.values()),
             frozenset(self._values.items()),
         )
+
+    def __getstate__(self) -> dict[str, object]:
+        # A copy is made to have other values, and numbers are computed again where a law is sent.
+        return {name: value for name, value in self.__dict__.items() if name not in ("bound", "kinetic")}
 
     def __eq__(self, other: object) -> bool:
         """Whether two laws are the same in formula, values and description."""
@@ -501,25 +464,6 @@ class FrictionLaw:
         ]
         table = [markup.table(["parameter", "value", "typical", "unit", "meaning"], rows)] if rows else []
         return markup.block(self.name or "friction law", head, *table, *notes)
-
-
-@lru_cache(maxsize=256)  # laws with other values share it
-def slope_of(mu: Expr) -> Expr:
-    """Return the derivative of a coefficient by the slip speed; that of a quotient is one, in factors.
-
-    As the quotient rule gives it, its two terms cancel at high speeds.
-    """
-    return without_squares(sp.Add(*map(_slope_of_term, sp.Add.make_args(mu))))
-
-
-def _slope_of_term(term: Expr) -> Expr:
-    """Return the slope of a term; powers of a shifted speed stay as they are, for multiplied out they cancel."""
-    over, under = sp.fraction(term)
-    if over.has(symbols.v) and all(
-        one.is_polynomial(symbols.v) and one == sp.expand(one) for one in (over, under)
-    ):
-        return sp.factor(sp.expand(sp.diff(over, symbols.v) * under - over * sp.diff(under, symbols.v))) / under**2
-    return sp.diff(term, symbols.v)
 
 
 def _described(parameters: Iterable[Parameter], units: Mapping[str, str] | None) -> dict[str, Parameter]:

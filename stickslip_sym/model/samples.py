@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
-from typing import Any
+from typing import Any, SupportsFloat
 
 import mpmath
 import numpy as np
@@ -91,6 +91,18 @@ class SampledCurve:
     def __str__(self) -> str:
         last = self.places[-1] if self.end is None else self.end
         return f"piecewise cubic of {len(self.cubics)} pieces from v = 0 to {float(last):g} m/s"
+
+    def require_speed(self, v: SupportsFloat, label: str) -> None:
+        """Refuse a slip speed beyond the last measured one, with both speeds, and what to do.
+
+        - `label`: that of the law in a message.
+        """
+        if self.end is not None and float(v) > float(self.end):  # the double next to a decimal may be above it
+            raise InputError(
+                f"{label} is measured up to v = {float(self.end):g} m/s, and its value at {float(v):g} m/s is "
+                "needed; measure further, take a lower speed, or hold the last coefficient: ",
+                Argument("extrapolate", True),
+            )
 
     def function(self, backend: Backend, *, derivative: bool) -> Callable[[Any], Any]:
         """Return mu(v), or its slope, as a function of one library's numbers; beyond the end, the last piece."""

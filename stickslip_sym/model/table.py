@@ -19,7 +19,7 @@ A table ends where mu varies too often, as a sine does for ever: a motion that c
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -39,9 +39,8 @@ from stickslip_sym.core.numbers import SAME
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.core.remedies import Argument, Remedy
 from stickslip_sym.model.at_rest import Rising
-from stickslip_sym.model.expression.pieces import branch_from
+from stickslip_sym.model.expression.slope import slope_of
 from stickslip_sym.model.expression.transitions import transitions
-from stickslip_sym.model.law import FrictionLaw, slope_of
 
 FARTHEST = 1e20
 """The slip speed in m/s at which a table ends at the latest: a motion that comes so far grows without bound."""
@@ -103,9 +102,22 @@ class Rise(NamedTuple):
     jumps: list[float] | FloatArray
 
 
+class Smooth(NamedTuple):
+    """A smooth segment of a law, which continues smoothly beyond its ends.
+
+    - `start`: slip speed in m/s.
+    - `rising`: mu(v) - mu(0+) on it.
+    - `formula`: mu on it; None where it is a polynomial.
+    """
+
+    start: float
+    rising: Rising
+    formula: Expr | None
+
+
 @dataclass(frozen=True, eq=False)
 class FrictionTable:
-    """The rise mu(v) - mu(0+) of a law with all parameters bound, as polynomials on intervals.
+    """The rise mu(v) - mu(0+) of a law, as polynomials on intervals.
 
     Attributes
     ----------
@@ -129,7 +141,7 @@ class FrictionTable:
     --------
     >>> from stickslip_sym import laws
     >>> law = laws.exponential.typical()
-    >>> table = FrictionTable.of(law)
+    >>> table = law.bound.table
     >>> abs(table.rise(0.5) - (law.mu(0.5) - law.mu(0.0))) < 1e-15
     True
     """
@@ -144,30 +156,31 @@ class FrictionTable:
     firsts: tuple[int, ...] = field(repr=False)
 
     @staticmethod
-    @lru_cache(maxsize=256)
-    def of(law: FrictionLaw, upto: float | None = None) -> "FrictionTable":
-        """Return the table of a law, made once for equal laws.
+    def of(
+        segments: Sequence[Smooth],
+        point: Mapping[Expr, Expr],
+        onset: float,
+        reach: float,
+        upto: float | None = None,
+    ) -> "FrictionTable":
+        """Return the table of a law without a static coefficient above mu(0+).
 
+        - `segments`: ascending from 0.
+        - `point`: the values of the parameters in their formulas.
         - `upto`: for a derivative of a law by a parameter, the slip speed in m/s at which its table may end; a
           derivative may be known by differences only, and is tabulated relative to its largest value.
 
-        Raises `InputError` if a parameter has no value, mu(0+) or mu beside it is not finite, or the static
-          coefficient is below mu(0+).
+        Raises `InputError` if mu beside rest is not finite.
         """
-        onset = law.onset
-        static = onset if law.static is None else law.static_value
-        reach = math.inf if law.v_max is None else float(law.v_max)
         farthest = FARTHEST if upto is None else upto
-        rises = law.rises()  # of a measured law also where it is held, which is no kink of its formula
-        starts = [sp.Integer(0), *law.kinks()] if law.curve is None else [sp.Integer(0)] * len(rises)
-        segments = [pair for pair in zip(starts, rises, strict=True) if pair[1][0] < farthest]
-        ends = [*(start for _, (start, _) in segments[1:]), min(reach, farthest)]
+        segments = [segment for segment in segments if segment.start < farthest]
+        ends = [*(segment.start for segment in segments[1:]), min(reach, farthest)]
         parts, kinks, firsts, end = list[FloatArray](), list[float](), [0], 0.0
         with np.errstate(all="ignore"), working_precision(_BITS):
-            for (kink, (start, rising)), high in zip(segments, ends, strict=True):
+            for (start, rising, formula), high in zip(segments, ends, strict=True):
                 segment = _Segment(rising, onset, start, high, upto is not None)
-                if law.curve is None:
-                    segment.read(branch_from(law.expr, law.point, kink), law.point)
+                if formula is not None:
+                    segment.read(formula, point)
                 part, end = segment.tabulated()
                 if len(part):
                     parts.append(part)
@@ -180,7 +193,7 @@ class FrictionTable:
                 if end < high:
                     break
         return FrictionTable(
-            onset, static, tuple(kinks[1:]), reach, end, segment.is_rough, np.concatenate(parts), tuple(firsts)
+            onset, onset, tuple(kinks[1:]), reach, end, segment.is_rough, np.concatenate(parts), tuple(firsts)
         )
 
     def limit(self, speed: str) -> tuple[str | Remedy, ...]:

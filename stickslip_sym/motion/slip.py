@@ -135,9 +135,9 @@ class Dimensionless:
 
     @classmethod
     def of(cls, law: FrictionLaw, osc: Oscillator) -> "Dimensionless":
-        """Make an oscillator with a bound law dimensionless; raises as `FrictionTable.of`."""
+        """Make an oscillator with a bound law dimensionless; raises as `BoundLaw.table`."""
         osc = as_oscillator(osc)
-        system = cls(osc.eta, osc.zeta, FrictionTable.of(law), osc.V)
+        system = cls(osc.eta, osc.zeta, law.bound.table, osc.V)
         if law.v_max is None and system.w_max <= 1.0:
             raise system.unmeasured(1.0)
         return system

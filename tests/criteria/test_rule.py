@@ -9,7 +9,6 @@ from narrow_laws import SHAPES, narrow_law
 import stickslip_sym as ss
 from stickslip_sym.criteria.criterion import equilibrium, harmonic, least_squares
 from stickslip_sym.criteria.rule import slope_average
-from stickslip_sym.model.table import FrictionTable
 
 
 def off(law, criterion, V, **options):
@@ -46,7 +45,7 @@ def test_far_out_the_slope_counts_and_not_the_rounding_of_mu(criterion):
 
 def blind(law):
     """Return the table of a law without the ends of its narrow pieces."""
-    table = dataclasses.replace(FrictionTable.of(law))
+    table = dataclasses.replace(law.bound.table)
     vars(table)["narrow"] = np.empty((0, 2))
     return table
 

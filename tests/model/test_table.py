@@ -17,7 +17,7 @@ import stickslip_sym as ss
 from stickslip_sym.core import balls, symbols
 from stickslip_sym.model.expression.pieces import branch_from
 from stickslip_sym.model.expression.transitions import transitions
-from stickslip_sym.model.table import FARTHEST, FrictionTable
+from stickslip_sym.model.table import FARTHEST
 from stickslip_sym.motion.kernel.data import Branch
 from stickslip_sym.motion.kernel.forces import slope_at
 
@@ -34,7 +34,7 @@ def deviation(law, table=None):
 
     A deviation is relative to the largest rise up to its speed, so to the rise itself where that is monotone.
     """
-    table = FrictionTable.of(law) if table is None else table
+    table = law.bound.table if table is None else table
     ends = np.append(table.pieces[:, 0], table.end)
     worst, highest = 0.0, arb(0)
     with balls.working_precision(BITS):
@@ -74,7 +74,7 @@ def test_derivatives_by_parameters_have_tables(name, decade, reach):
     law = ss.laws[name].typical()
     law = law.bind(**{key: f"{float(value) * 10**decade:.6g}" for key, value in law.values.items()})
     for partial in map(law.partial, law.parameters):
-        table = FrictionTable.of(partial, reach)
+        table = partial.bound.table_up_to(reach)
         v = np.linspace(0.01, 0.99, 30) * min(reach, table.end)
         rises = partial.at_speeds(v) - table.onset
         assert np.abs(rises - [table.rise(x) for x in v]).max() <= 1e-11 * np.abs(rises).max(initial=1e-3)
@@ -82,7 +82,7 @@ def test_derivatives_by_parameters_have_tables(name, decade, reach):
 
 def test_deviation_notices_a_wrong_coefficient():
     law = ss.laws.exponential.typical()
-    table = FrictionTable.of(law)
+    table = law.bound.table
     pieces = table.pieces.copy()
     pieces[3, 4] *= 1 + 1e-11
     assert deviation(law) < OFF < deviation(law, dataclasses.replace(table, pieces=pieces))
@@ -90,7 +90,7 @@ def test_deviation_notices_a_wrong_coefficient():
 
 @given(laws(), st.floats(-6, 0.5))
 def test_slope_is_that_of_the_law(law, exponent):
-    table, v = FrictionTable.of(law), 10.0**exponent
+    table, v = law.bound.table, 10.0**exponent
     assume(all(abs(v - kink) > 1e-9 for kink in table.kinks))
     scale = max(abs(law.slope(v)), abs(table.rise(v)) / v)
     found = slope_at(Branch(table.pieces, 0, len(table.pieces) - 1, 0), v)
@@ -99,27 +99,27 @@ def test_slope_is_that_of_the_law(law, exponent):
 
 def test_scaling_by_the_belt_speed():
     law = ss.FrictionLaw("Piecewise((0.5 - 0.2*v, v < 0.3), (0.6, True))")
-    table = FrictionTable.of(law)
+    table = law.bound.table
     for V in (1e-9, 0.5, 1e6):
         rise = table.at(V)
         assert rise.levels[1] * V == pytest.approx(0.3, rel=1e-15)
         assert rise.jumps == pytest.approx([0.0, 0.16], rel=1e-14)
-    assert FrictionTable.of(ss.FrictionLaw("0.5 - 0.1*Min(v, 0.3)")).at(1.0).jumps == [0.0, 0.0]
+    assert ss.FrictionLaw("0.5 - 0.1*Min(v, 0.3)").bound.table.at(1.0).jumps == [0.0, 0.0]
 
 
 def test_table_ends_where_mu_does():
-    assert FrictionTable.of(ss.laws.exponential.typical()).end == FARTHEST
+    assert ss.laws.exponential.typical().bound.table.end == FARTHEST
     measured = ss.FrictionLaw.from_samples([0, 0.1, 0.5, 2], [0.5, 0.4, 0.3, 0.3])
-    assert FrictionTable.of(measured).end == FrictionTable.of(measured).reach == 2.0
-    root = FrictionTable.of(ss.FrictionLaw("0.3 + 0.2*sqrt(1 - v)"))
+    assert measured.bound.table.end == measured.bound.table.reach == 2.0
+    root = ss.FrictionLaw("0.3 + 0.2*sqrt(1 - v)").bound.table
     assert root.end == pytest.approx(1.0, rel=1e-9)
     assert math.isinf(root.reach)
-    assert FrictionTable.of(ss.FrictionLaw("0.3 + 0.1/(2 - v)")).end == pytest.approx(2.0, rel=1e-6)
+    assert ss.FrictionLaw("0.3 + 0.1/(2 - v)").bound.table.end == pytest.approx(2.0, rel=1e-6)
 
 
 def test_what_cannot_be_tabulated_is_refused():
     with pytest.raises(ss.InputError, match="bind"):
-        FrictionTable.of(ss.laws.exponential)
+        _ = ss.laws.exponential.bound.table
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -134,7 +134,7 @@ def test_a_step_between_the_nodes_is_seen():
     between = float(text)
     for step in ("0.001*tanh((v - {a})/0.0000001)", "0.001*tanh((exp(v) - exp({a}))/0.0000001)"):
         law = ss.FrictionLaw(f"{smooth} + {step}".format(a=text))
-        table = FrictionTable.of(law)
+        table = law.bound.table
         for v in (between * 0.999, between * 1.001):
             assert table.rise(v) == pytest.approx(law.mu(v) - law.mu(0.0), rel=1e-13)
         assert np.diff(table.narrow).min() < 1e-6
@@ -145,7 +145,7 @@ def test_a_step_between_the_nodes_is_seen():
 def between_nodes():
     """Return a law, and a speed half-way between two nodes of a piece of its table."""
     smooth = "0.2 + 0.3*exp(-3*v)"
-    _, middle, scale, *_ = FrictionTable.of(ss.FrictionLaw(smooth)).pieces[1]
+    _, middle, scale, *_ = ss.FrictionLaw(smooth).bound.table.pieces[1]
     return smooth, np.format_float_positional(middle + math.cos(math.pi * 8 / 15) / scale)
 
 
@@ -153,7 +153,7 @@ def test_a_bump_of_a_derivative_is_known_from_its_formula():
     """No ball is asked about a derivative by a parameter, and the bump lies between the nodes."""
     smooth, between = between_nodes()
     law = ss.FrictionLaw(f"{smooth} + h*exp(-((v - {between})/0.00001)^2)").bind(h=0.01)
-    table = FrictionTable.of(law.partial("h"), 1.0)
+    table = law.partial("h").bound.table_up_to(1.0)
     assert table.values(float(between) + np.array([-0.001, 0, 0.001])) == pytest.approx([0.0, 1.0, 0.0], abs=1e-9)
 
 
@@ -164,12 +164,12 @@ def test_a_bump_that_no_formula_tells_is_seen_by_bounds(bump):
     law = ss.FrictionLaw(f"{smooth} + 0.001*" + bump.format(a=between, w="0.00001"))
     assert all(change.width > 0.1 for change in transitions(law.expr, law.point))
     at = float(between)
-    assert FrictionTable.of(law).rise(at) == pytest.approx(law.mu(at) - law.mu(0.0), rel=1e-11)
+    assert law.bound.table.rise(at) == pytest.approx(law.mu(at) - law.mu(0.0), rel=1e-11)
 
 
 def test_a_law_that_varies_for_ever_is_tabulated_up_to_where_a_motion_comes():
     law = ss.FrictionLaw("0.35 + 0.1*exp(-v/0.3) + 0.01*sin(10*v)")
-    table = FrictionTable.of(law)
+    table = law.bound.table
     assert 50 < table.end == table.reach < 1000
     v = np.linspace(0.0, 0.999 * table.end, 1000)
     assert table.values(v) == pytest.approx(law.mu(v) - law.mu(0.0), abs=1e-14)

@@ -7,7 +7,6 @@ import pytest
 from motions import points
 
 import stickslip_sym as ss
-from stickslip_sym.model.table import FrictionTable
 from stickslip_sym.motion.kernel.data import End
 from stickslip_sym.motion.slip import Dimensionless
 
@@ -63,7 +62,7 @@ def test_slip_goes_on_beyond_the_belt_speed():
 
 
 def test_workers_give_the_same():
-    system = Dimensionless(2.0, 0.1, FrictionTable.of(ss.laws.exponential.typical()), 0.5)
+    system = Dimensionless(2.0, 0.1, ss.laws.exponential.typical().bound.table, 0.5)
     q, w, side = np.linspace(-2, 0, 9000), np.linspace(0, 2, 9000), np.ones(9000)
     one, two = (system.slips(q, w, side, horizon=5.0, rtol=1e-6, workers=n) for n in (1, 2))
     assert all(np.array_equal(*columns) for columns in zip(one, two, strict=True))

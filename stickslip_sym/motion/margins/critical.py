@@ -30,7 +30,6 @@ from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.model.table import FrictionTable
 from stickslip_sym.motion.kernel.data import TIGHT
 from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, needed_ratio, rough_ratio, sure_gap
 from stickslip_sym.motion.orbits.orbit import obstacle
@@ -412,7 +411,7 @@ class _Search:
                 factors = factors[below.max(initial=-1) + 1 : above.min(initial=_FEW_LOOKS)]
             return sorted({usual * factors[0], usual, usual * factors[-1]})
         if self.of == "V":
-            table = FrictionTable.of(self.law)
+            table = self.law.bound.table
             end = table.reach if len(table.pieces) <= _PIECES else float(table.pieces[_PIECES, 0])
             high = min(_WHOLE[1], end / 2)  # slip reaches 2 V, and more
             speeds = np.geomspace(_WHOLE[0], high, _LOOKS)

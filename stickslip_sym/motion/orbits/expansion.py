@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike
 
 from stickslip_sym.core.aliases import BoolArray, ComplexArray, FloatArray
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.table import FrictionTable
 from stickslip_sym.motion.orbits.needed import ROUNDING
 
 _GRIDS = (32, 192, 1152)  # phases in half a period; the next where these do not do
@@ -80,7 +79,7 @@ def expand(law: FrictionLaw, V: ArrayLike, *, grids: Sequence[int] = _GRIDS) -> 
         again = ~expansion.resolved
         if again.any():
             finer = _expand(_falls(law, V[again], size))
-            seen = FrictionTable.of(law).resolved(0.0, 2 * V[again], size)
+            seen = law.bound.table.resolved(0.0, 2 * V[again], size)
             finer = finer._replace(tail=np.where(seen, finer.tail, np.inf))
             for column, values_there in zip(expansion, finer, strict=True):
                 column[again] = values_there
@@ -152,6 +151,6 @@ def of_layer(law: FrictionLaw, V: FloatArray, strength: FloatArray, phases: Arra
     first = 2 * V * np.sin(np.pi / (4 * np.asarray(phases))) ** 2
     with np.errstate(all="ignore"):
         slopes = law.at_speeds(first[:, None] * squares, derivative=True)
-        height = FrictionTable.of(law).values(first) - first * (slopes @ shares)
+        height = law.bound.table.values(first) - first * (slopes @ shares)
     value: FloatArray = (strength * height / V) ** 2 / (2 * np.pi)
     return value

@@ -27,7 +27,6 @@ from stickslip_sym.core.aliases import ComplexArray, FloatArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.criteria.rule import slope_average
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.table import FrictionTable
 from stickslip_sym.motion.orbits.expansion import coefficients, of_layer, values
 
 _GRIDS = (32, 64, 128, 192)  # points a period; finer ones take longer than a simulation
@@ -162,7 +161,7 @@ class _Orbit:
     def sees(self) -> bool:
         """Whether the grid meets every narrow piece of the law's table within the orbit's speeds."""
         low, high = self.V * (1 - self.A), self.V * (1 - self.lowest)
-        return bool(FrictionTable.of(self.law).resolved(low, high, len(self.z)))
+        return bool(self.law.bound.table.resolved(low, high, len(self.z)))
 
     @property
     def velocity(self) -> FloatArray:

@@ -82,9 +82,9 @@ def average_changes(criterion: Criterion, points: OperatingPoints) -> dict[str, 
 
     def changed(name: str) -> FloatArray:
         partial = law.partial(name)
-        table = FrictionTable.of(law)
+        table = law.bound.table
         smooth = not (table.kinks or table.narrow.size)
-        own = None if smooth else FrictionTable.of(partial, 2 * float(V.max()))
+        own = None if smooth else partial.bound.table_up_to(2 * float(V.max()))
         by_slopes = slope_mean(partial, criterion, V, own, table if smooth else None)
         return N * (by_slopes + _of_jumps(law, criterion, V, name))
 

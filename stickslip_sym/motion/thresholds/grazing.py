@@ -14,7 +14,7 @@ from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.model.expression.pieces import places, rate
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.model.table import FrictionTable, Pieces
+from stickslip_sym.model.table import Pieces
 from stickslip_sym.motion.kernel.data import TIGHT, End, Wedge, no_wedge
 from stickslip_sym.motion.orbits.needed import PARTED, gap, needed_ratio
 from stickslip_sym.motion.slip import Dimensionless
@@ -72,7 +72,7 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
         "N": Wedge(excess * friction, 0.0, -friction, rise.pieces, still),
     }
     for name, parameter in law.parameters.items():
-        symbol, partial = parameter.symbol, FrictionTable.of(law.partial(name), _BEYOND * highest * V)
+        symbol, partial = parameter.symbol, law.partial(name).bound.table_up_to(_BEYOND * highest * V)
         onset = law.number(rate(law.static_expr, symbol)) - partial.onset
         moves = [(law.number(place), law.number(rate(place, symbol)) / V) for place in places(law.expr)]
         shifts = [next((by for v, by in moves if math.isclose(v, level, rel_tol=_SAME)), 0.0) for level in levels]

@@ -22,7 +22,6 @@ from stickslip_sym.core.remedies import Argument, Name
 from stickslip_sym.criteria import criterion as criteria
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.table import FrictionTable
 from stickslip_sym.motion.kernel.data import TIGHT
 from stickslip_sym.motion.orbits.expansion import expand, expansion_changes, of_layer
 from stickslip_sym.motion.orbits.needed import ROUNDING
@@ -314,7 +313,7 @@ def _by_expansion(points: OperatingPoints, rtol: float) -> Computed:
         error = points.relative(resolution + more + ROUNDING * points.slope_scale, value)
         # The orbit goes beyond 2 V by its overtones, to where the expansion does not look.
         beyond = points.V * (2 + strength * weak.overtones + _BESIDE)
-        table = FrictionTable.of(points.law)
+        table = points.law.bound.table
         smooth = table.resolved(2 * points.V, beyond, 1) & (beyond < min(table.kinks, default=math.inf))
         error[~smooth] = np.inf
     return Computed(value, np.where(np.isfinite(value) & ~np.isnan(error), error, np.inf))
