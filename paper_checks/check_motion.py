@@ -171,7 +171,7 @@ def amplitude_at_the_threshold(find: Find, printed: Printed) -> Finding:
     """The peaks of the velocity at the paper's damping, and the Floquet exponent of the grazing orbit."""
     osc = oscillator()
     run = response("exponential", float(printed["c"]))
-    exponent = osc.omega * float(orbits(law("exponential"), osc.V, osc.N / osc.impedance).exponent[0])
+    exponent = osc.omega * float(orbits(law("exponential").bound, osc.V, osc.N / osc.impedance).exponent[0])
     change = float(abs(np.diff(run.peaks[:6])).max()) / osc.V
     # In simulation, what the peaks lose from one period to the next grows at the rate of the orbit's exponent.
     losses = -np.diff(run.peaks[:5])

@@ -45,7 +45,7 @@ def run(given: Given) -> None:
     for one in chosen:
         law.require_speed(at.numbers["V"] * (1 if one.weight is None else 2))
     if not law.missing:
-        warn_where_negative(law, at.numbers["V"])
+        warn_where_negative(law.kinetic, at.numbers["V"])
     derivations = {one: derived(law, one, limit) for one in chosen}
     failures = [form for form in derivations.values() if isinstance(form, NoClosedForm)]
     forms = [form for form in derivations.values() if not isinstance(form, NoClosedForm)]

@@ -102,7 +102,7 @@ def _warn_at_corners(
     for corner in product(*([(name, ends[0]), (name, ends[-1])] for name, ends in axes)):
         here = {**point, **dict(corner)}
         bound = law.bind(**{name: float(here[name]) for name in law.parameters if name in here})
-        if not bound.missing and here["V"] > 0 and warn_where_negative(bound, float(here["V"])):
+        if not bound.missing and here["V"] > 0 and warn_where_negative(bound.kinetic, float(here["V"])):
             return
 
 

@@ -45,7 +45,7 @@ def run(given: Given) -> None:
     t_end, csv, plot = given["t_end"], given["csv"], given["plot"]
     given.all_used()
     osc = ss.Oscillator(**at.numbers)
-    warn_where_negative(at.law, osc.V)
+    warn_where_negative(at.law.kinetic, osc.V)
     t_end = _PERIODS * 2 * math.pi / osc.omega if t_end is None else t_end
     motion = ss.simulate(at.law, osc, t_end=t_end, **initial, **how)
     end = None

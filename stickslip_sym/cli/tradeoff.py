@@ -34,7 +34,7 @@ def run(given: Given) -> None:
     if "V" in at.defaults:  # each number has a default of its own
         del at.texts["V"]
     elif not at.law.missing:
-        warn_where_negative(at.law, at.numbers["V"])
+        warn_where_negative(at.law.kinetic, at.numbers["V"])
     more = {"criterion": given["criterion"]} if "criterion" in kinds else {}
     limit, plot = given["time_limit"], given["plot"]
     given.all_used()

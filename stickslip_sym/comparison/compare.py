@@ -13,8 +13,7 @@ from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
-from stickslip_sym.core.deadline import check_time
-from stickslip_sym.core.deadline import time_limit as limited
+from stickslip_sym.core.deadline import check_time, require_seconds
 from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.core.numbers import lookup, read_rtol
 from stickslip_sym.core.status import Status
@@ -237,8 +236,7 @@ def compare(
     for name in methods:
         find_method(name)
     read_rtol(rtol, least=0.0, most=1.0)
-    with limited(time_limit):  # refuses a limit that is no number of seconds: below, an error is a method's answer
-        pass
+    require_seconds(time_limit)  # below, an error is a method's answer
     how: dict[str, Any] = {"rtol": rtol, "time_limit": time_limit, **point}
     rows = (measured(name, partial(pure_slip_damping, law, method=name, **how), of_threshold) for name in methods)
     return Comparison(law.name or "a law", tuple(rows), point)

@@ -59,7 +59,7 @@ def explorer(law: FrictionLaw, osc: Oscillator, *, title: str = "", time_limit: 
     InputError
         If the law or a criterion cannot be written as JavaScript, or jinja2 is not installed.
     """
-    warn_where_negative(law, osc.V)
+    warn_where_negative(law.kinetic, osc.V)
     law.require_speed(2 * osc.V)
     fixed = {str(symbol) for symbol in writer.shapes_of(law)}
     values = {name: float(value) for name, value in law.values.items()}
@@ -111,7 +111,7 @@ def _slider(name: str, value: float, described: Any) -> dict[str, Any]:
 def _table(law: FrictionLaw, criterion: Criterion, slider: Mapping[str, Any]) -> list[float]:
     """Return c/N at even steps of log V, of a law that has no parameters."""
     V = np.geomspace(slider["low"], slider["high"] * (1 - SAME), _ROWS)
-    return [float(mean) for mean in slope_mean(law, criterion, V)]
+    return [float(mean) for mean in slope_mean(law.kinetic, criterion, V)]
 
 
 def _exact(

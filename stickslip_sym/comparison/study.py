@@ -18,6 +18,7 @@ import sympy as sp
 from stickslip_sym.comparison.compare import Row, compare
 from stickslip_sym.comparison.plane import ABOVE, BAND, Plane, draw_plane, plane
 from stickslip_sym.core import symbols
+from stickslip_sym.core.deadline import require_seconds
 from stickslip_sym.core.deadline import time_limit as limited
 from stickslip_sym.core.errors import InputWarning, StickSlipError
 from stickslip_sym.core.numbers import require_type
@@ -32,7 +33,6 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.margins.margins import Margin, Margins, carried_by, margins
-from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS
 from stickslip_sym.motion.regimes.regime import Regime, regime
 from stickslip_sym.motion.simulation.simulate import simulate
@@ -435,12 +435,11 @@ def study(
     require_type("defaults", defaults, Iterable, "an iterable of names")
     fit = law.best if isinstance(law, Fits) else law if isinstance(law, Fit) else None
     friction = fit.law.bind(**fit.uncertain) if fit is not None else as_law(law)
-    friction.function("numpy")  # refuses a law with parameters that have no value
+    friction.require_values()
     carried = carried_by(osc, errors or {})
-    friction.at_speeds(np.array([osc.V]))  # refuses a law that was not measured so far
-    with limited(time_limit):  # refuses a limit that is no number of seconds
-        refused: dict[str, str] = {}
-    seconds = _EACH if time_limit is None else time_limit
+    refused: dict[str, str] = {}
+    limit = require_seconds(time_limit)
+    seconds = _EACH if limit is None else limit
     each = seconds / _SHARE
 
     begun = progress or (lambda what: None)
@@ -460,7 +459,7 @@ def study(
 
     point = {key: carried.get(key, getattr(osc, key)) for key in "VNmk"}
     rest = {key: point[key] for key in "Nmk"}
-    samples = _SAMPLES if obstacle(friction, osc.V) is None else 0
+    samples = _SAMPLES if friction.bound.obstacle(2 * osc.V) is None else 0
     periods = _PERIODS * 2 * math.pi / osc.omega
     own = [] if fit is None else [text for text in (fit.extrapolation(osc.V), *fit.warnings) if text]
     with warnings.catch_warnings(record=True) as caught:

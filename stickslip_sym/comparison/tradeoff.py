@@ -505,7 +505,7 @@ def pure_slip_by_bisection(law: FrictionLaw, osc: Oscillator, high: float, rtol:
         deadline.check_time()
         x = (float(law.mu(0.0)) * osc.N - c * osc.V) / osc.k
         t_end = _ROUND / osc.omega
-        run = slip_by_solve_ivp(law, replace(osc, c=c), 0.0, x, osc.V, 1, t_end, rtol, **_DEFAULTS)
+        run = slip_by_solve_ivp(law.bound, replace(osc, c=c), 0.0, x, osc.V, 1, t_end, rtol, **_DEFAULTS)
         return bool(run.t_events[0].size)
 
     low = 0.0

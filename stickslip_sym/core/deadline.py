@@ -34,14 +34,20 @@ def uncounted() -> Iterator[None]:
         _uncounted += time.monotonic() - begin
 
 
-@contextmanager
-def time_limit(seconds: float | str | None) -> Iterator[None]:
-    """Let `check_time` raise `OutOfTime` within this block once so many seconds have passed; None is no limit."""
+def require_seconds(seconds: float | str | None) -> float | None:
+    """Return a time limit as a number or None; refuse what is no number of seconds from 0 to a day."""
     if not isinstance(seconds, float | int | None):
         seconds = real("time_limit", seconds)
     if seconds is not None and not 0 <= seconds <= LONGEST:
         raise InputError(Name("time_limit"), f" = {seconds} is not a number of seconds from 0 to {LONGEST:.0f}")
-    end = math.inf if seconds is None else _now() + seconds
+    return seconds
+
+
+@contextmanager
+def time_limit(seconds: float | str | None) -> Iterator[None]:
+    """Let `check_time` raise `OutOfTime` within this block once so many seconds have passed; None is no limit."""
+    limit = require_seconds(seconds)
+    end = math.inf if limit is None else _now() + limit
     token = _end.set(min(end, _end.get()))
     try:
         yield

@@ -20,7 +20,7 @@ from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import Number, exact, require_type, to_mpf
 from stickslip_sym.criteria.criterion import Criterion, find
-from stickslip_sym.model.expression.pieces import branch_from
+from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.expression.transitions import transitions
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
@@ -82,21 +82,22 @@ def damping(
     law = as_law(law)
     criterion, speed, force = read_operating_point(law, criterion, V, N, digits)
     if force == 0 or not law.expr.has(symbols.v):
-        _real(law.function("mpmath"))  # refuses a law without values
+        law.require_values()
         return mpmath.mpf(0)  # every kernel averages a slope: it integrates to zero
     with mpmath.workdps(digits + _GUARD):
         rule = "tanh-sinh" if law.curve is None else "gauss-legendre"  # of polynomials between kinks
-        mu, quick = law.function("mpmath"), _quick(law)
-        result = to_mpf(force) * average(mu, law.kinks(), criterion, speed, digits + 2, rule, quick)
+        bound = law.kinetic
+        mu, quick = bound.function("mpmath"), _quick(bound)
+        result = to_mpf(force) * average(mu, bound.exact_kinks, criterion, speed, digits + 2, rule, quick)
     with mpmath.workdps(digits):
         return +result
 
 
-def _quick(law: FrictionLaw) -> list[Expr]:
+def _quick(law: BoundLaw) -> list[Expr]:
     """Return slip speeds between which nothing of mu is narrow: nodes of a rule would step over it."""
     if law.curve is not None:
         return []
-    segments = {branch_from(law.expr, law.point, start) for start in (sp.Integer(0), *law.kinks())}
+    segments = {formula for _, formula in law.segments}
     return [
         sp.Rational(speed + side * width * _WIDER**k)
         for speed, width in chain(*(transitions(segment, law.point) for segment in segments))

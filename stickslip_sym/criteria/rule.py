@@ -19,7 +19,7 @@ from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import SAME
 from stickslip_sym.criteria.criterion import Criterion, harmonic
-from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.table import FrictionTable
 
 _OCTAVES = 40  # of the phase, to which panels shrink towards rest
@@ -36,8 +36,8 @@ _ROUNDING = 1e-14  # of the average of abs(mu')
 _ROUNDED = 8 * np.finfo(np.float64).eps  # of mu: what rises are not known to
 
 
-def slope_average(
-    law: FrictionLaw, V: ArrayLike, A: ArrayLike = 1.0, *, criterion: Criterion = harmonic,
+def gauss_average(
+    law: BoundLaw, V: ArrayLike, A: ArrayLike = 1.0, *, criterion: Criterion = harmonic,
     table: FrictionTable | None = None, like: FrictionTable | None = None,
 ) -> _Three:  # fmt: skip
     """Return averages of -mu' by the weight of a criterion, their errors, and those of abs(mu'), in s/m.
@@ -50,7 +50,7 @@ def slope_average(
     if criterion.weight is None:
         slope = slope_between(law, V)
         return -slope, _ROUNDING * np.abs(slope), np.abs(slope)
-    own, table = like is None, like or table or law.bound.table
+    own, table = like is None, like or table or law.table
     parting = np.unique([*table.narrow.ravel(), *table.kinks])
     inside = (parting > (V * (1 - A))[:, None]) & (parting < (V * (1 + A))[:, None])
     parted = inside.any(axis=1)
@@ -63,17 +63,17 @@ def slope_average(
     return average, error, size
 
 
-def slope_between(law: FrictionLaw, V: FloatArray) -> FloatArray:
+def slope_between(law: BoundLaw, V: FloatArray) -> FloatArray:
     """Return mu'(V); at a kink the mean of the slopes on both sides, by which small motions decay."""
     slope = law.at_speeds(V, derivative=True)
-    for kink in map(float, law.kinks()):
+    for kink in law.kinks:
         at = kink == V
         below = law.at_speeds(np.nextafter(V[at], 0.0), derivative=True)
         slope[at] = (below + law.at_speeds(np.nextafter(V[at], np.inf), derivative=True)) / 2
     return slope
 
 
-def _settled(law: FrictionLaw, V: FloatArray, A: FloatArray, *others: *_Others) -> _Three:
+def _settled(law: BoundLaw, V: FloatArray, A: FloatArray, *others: *_Others) -> _Three:
     """Return what is asked for once polynomials follow it, or panels of half the width say the same.
 
     Arguments are as for `_summed`.
@@ -90,7 +90,7 @@ def _settled(law: FrictionLaw, V: FloatArray, A: FloatArray, *others: *_Others) 
 
 
 def _summed(
-    law: FrictionLaw, V: FloatArray, A: FloatArray, criterion: Criterion, table: FrictionTable, own: bool,
+    law: BoundLaw, V: FloatArray, A: FloatArray, criterion: Criterion, table: FrictionTable, own: bool,
     parting: tuple[float, ...], parts: int,
 ) -> _Four:  # fmt: skip
     """Return averages of -mu' and of abs(mu'), what the sum of slopes is off, and tails, each in s/m.

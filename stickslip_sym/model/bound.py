@@ -108,9 +108,14 @@ class BoundLaw:
         return static if static > onset + SAME * abs(onset) else onset
 
     @property
+    def end(self) -> Rational | None:
+        """The slip speed in m/s up to which the law was measured, exact; None where there is no bound."""
+        return None if self.curve is None else self.curve.end
+
+    @property
     def reach(self) -> float:
-        """The slip speed in m/s up to which the law was measured; infinite for a formula."""
-        return math.inf if self.curve is None or self.curve.end is None else float(self.curve.end)
+        """The same as a float, infinite where there is no bound."""
+        return math.inf if self.end is None else float(self.end)
 
     # -- where mu is smooth --------------------------------------------------------------------------
 
@@ -143,8 +148,8 @@ class BoundLaw:
 
     @cached_property
     def is_straight(self) -> bool:
-        """Whether mu is a straight line down to rest, of which every average is exact."""
-        return not slope_of(self.expr).has(symbols.v) and not self.kinks and self.obstacle(0.0) is None
+        """Whether mu(v) is a straight line: every average of its slope is the same."""
+        return not slope_of(self.expr).has(symbols.v) and not self.kinks
 
     # -- functions of the slip speed -----------------------------------------------------------------
 

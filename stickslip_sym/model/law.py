@@ -343,13 +343,15 @@ class FrictionLaw:
         return self._with_values(None)
 
     def _with_values(self, static: Expr | None) -> BoundLaw:
-        self._require_values(self.expr, sp.S.Zero if static is None else static)
+        self.require_values(*(() if static is None else (static,)))
         values = [(of.symbol, self._values[key]) for key, of in self._parameters.items() if key in self._values]
         return BoundLaw(self.expr, static, tuple(values), self.curve, self._label()).shared()
 
-    def _require_values(self, *exprs: Expr) -> None:
-        """Refuse parameters in the expressions that have no value."""
-        used = {symbol.name for expr in exprs for symbol in expr.free_symbols} if self.missing else set()
+    def require_values(self, *exprs: Expr) -> None:
+        """Refuse parameters of mu(v), and of other expressions, that have no value, by name."""
+        if not self.missing:
+            return
+        used = {symbol.name for expr in (self.expr, *exprs) for symbol in expr.free_symbols}
         if missing := [key for key in self.missing if key in used]:
             raise InputError(
                 f"{self._label()} has no value for {', '.join(missing)}; give it first: ", Values.of(*missing)
@@ -362,7 +364,7 @@ class FrictionLaw:
 
     def number(self, expr: Expr) -> float:
         """Return the value of an expression of the law's parameters."""
-        self._require_values(self.expr, expr)
+        self.require_values(expr)
         return self.kinetic.number(expr)
 
     @property

@@ -6,7 +6,6 @@ arguments is positive for v > 0, and that segments of mu meet without a jump.
 """
 
 from collections.abc import Iterator
-from itertools import pairwise
 
 import sympy as sp
 from flint import acb
@@ -16,8 +15,8 @@ from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.balls import ball, ball_function
 from stickslip_sym.core.functions import must_be_positive
 from stickslip_sym.core.precision import working_precision
-from stickslip_sym.model.expression.pieces import branch_from, jumps
-from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.bound import BoundLaw
+from stickslip_sym.model.expression.pieces import jumps
 
 BITS_OF_SIGNS = 64
 """The precision with which a sign is shown that is far from changing."""
@@ -25,11 +24,9 @@ _MOST_CUTS = 400  # of a range on which a sign is shown
 _speed = sp.Symbol("v", positive=True)
 
 
-def lipschitz_evidence(law: FrictionLaw) -> tuple[bool, str]:
-    """Return whether a bound law was shown to be locally Lipschitz for v > 0, and how, or what is against it."""
-    kinks = law.kinks()
-    for start, end in pairwise([sp.Integer(0), *kinks, law.v_max]):
-        segment = branch_from(law.expr, law.point, start)
+def lipschitz_evidence(law: BoundLaw) -> tuple[bool, str]:
+    """Return whether a law was shown to be locally Lipschitz for v > 0, and how, or what is against it."""
+    for (start, segment), end in zip(law.segments, [*law.exact_kinks, law.end], strict=True):
         for argument in _must_be_positive(segment.xreplace({symbols.v: _speed})):
             if argument is None:
                 return False, f"mu holds a function that is not analytic, in {segment}"
@@ -39,8 +36,8 @@ def lipschitz_evidence(law: FrictionLaw) -> tuple[bool, str]:
     for place, height in jumps(law.expr, law.point):
         if height.xreplace(law.point) != 0 and sp.simplify(height) != 0:
             return False, f"mu jumps at v = {place}"
-    if kinks:
-        return True, f"mu is analytic on {len(kinks) + 1} segments of v > 0, which meet without a jump"
+    if law.kinks:
+        return True, f"mu is analytic on {len(law.segments)} segments of v > 0, which meet without a jump"
     return True, "mu is analytic for v > 0"
 
 

@@ -6,19 +6,19 @@ import numpy as np
 
 from stickslip_sym.core.errors import InputWarning
 from stickslip_sym.core.numbers import SAME
-from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.bound import BoundLaw
 
 _GRID = np.union1d(np.geomspace(1e-9, 1, 300), np.linspace(0, 1, 4001)[1:])
 """Speeds over the last; at 0 itself the logarithm of rate and state has no value."""
 _LARGEST = 1e300  # m/s, short of overflow
 
 
-def lowest(law: FrictionLaw, end: float) -> tuple[float, float]:
+def lowest(law: BoundLaw, end: float) -> tuple[float, float]:
     """Return the slip speed in m/s above 0 and up to `end`, where known, where mu is lowest, and mu there.
 
     A dip to below 0 that is narrower than a 4000th of `end` may be missed.
     """
-    end = min(end, float(law.v_max)) if law.v_max is not None else end
+    end = min(end, law.reach)
     speeds = min(end, _LARGEST) * _GRID
     mu = law.at_speeds(speeds)
     if not np.isfinite(mu).any():
@@ -27,7 +27,7 @@ def lowest(law: FrictionLaw, end: float) -> tuple[float, float]:
     return float(speeds[place]), float(mu[place])
 
 
-def warn_where_negative(law: FrictionLaw, V: float) -> bool:
+def warn_where_negative(law: BoundLaw, V: float) -> bool:
     """Warn of a coefficient below 0 at a slip speed that motions at the belt speed V reach; return whether."""
     v, mu = lowest(law, 2 * V)
     if negative := mu < -SAME:

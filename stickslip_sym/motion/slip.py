@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import InputError, NotConverged, OutOfTime, StickSlipError
-from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.model.table import FARTHEST, FrictionTable, Rise
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
@@ -123,7 +123,7 @@ class Dimensionless:
 
     >>> from stickslip_sym import Oscillator, laws
     >>> osc = Oscillator(m=1.0, k=100.0, c=2.0, V=0.5, N=9.81)
-    >>> slip = Dimensionless.of(laws.exponential.typical(), osc).slip(0.0, 0.0, until=End.MINIMUM)
+    >>> slip = Dimensionless.of(laws.exponential.typical().bound, osc).slip(0.0, 0.0, until=End.MINIMUM)
     >>> slip.end.name, round(slip.tau, 6)
     ('RETURN', 5.677805)
     """
@@ -134,11 +134,11 @@ class Dimensionless:
     V: float
 
     @classmethod
-    def of(cls, law: FrictionLaw, osc: Oscillator) -> "Dimensionless":
-        """Make an oscillator with a bound law dimensionless; raises as `BoundLaw.table`."""
+    def of(cls, law: BoundLaw, osc: Oscillator) -> "Dimensionless":
+        """Make an oscillator with a law dimensionless; raises as `BoundLaw.table`."""
         osc = as_oscillator(osc)
-        system = cls(osc.eta, osc.zeta, law.bound.table, osc.V)
-        if law.v_max is None and system.w_max <= 1.0:
+        system = cls(osc.eta, osc.zeta, law.table, osc.V)
+        if law.curve is None and system.w_max <= 1.0:
             raise system.unmeasured(1.0)
         return system
 

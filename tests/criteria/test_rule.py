@@ -8,12 +8,12 @@ from narrow_laws import SHAPES, narrow_law
 
 import stickslip_sym as ss
 from stickslip_sym.criteria.criterion import equilibrium, harmonic, least_squares
-from stickslip_sym.criteria.rule import slope_average
+from stickslip_sym.criteria.rule import gauss_average
 
 
 def off(law, criterion, V, **options):
     """Return what an average is off, and its stated error."""
-    (average,), (error,), _ = slope_average(law, [V], criterion=criterion, **options)
+    (average,), (error,), _ = gauss_average(law.bound, [V], criterion=criterion, **options)
     return abs(average - float(ss.enclose(law, criterion, V=V, N=1, digits=17))), error
 
 
@@ -67,7 +67,7 @@ def test_slopes_that_are_not_the_rise_are_an_error():
 def test_equilibrium_at_a_kink_takes_the_mean_of_both_slopes():
     law = ss.FrictionLaw("0.5 - 0.1*v^2 - 0.3*Max(v - 0.3, 0)")
     for V, exact in (("0.3", 0.21), ("0.299999", 0.0599998), ("0.300001", 0.3600002)):
-        assert slope_average(law, [float(V)], criterion=equilibrium)[0][0] == pytest.approx(exact, rel=1e-13)
+        assert gauss_average(law.bound, [float(V)], criterion=equilibrium)[0][0] == pytest.approx(exact, rel=1e-13)
         assert float(ss.enclose(law, "equilibrium", V=V, N=1)) == pytest.approx(exact, rel=1e-13)
         assert float(ss.quadrature.damping(law, "equilibrium", V=V, N=1, digits=15)) == pytest.approx(
             exact, rel=1e-13

@@ -108,4 +108,3 @@ def test_what_is_not_smooth_is_said():
     straight = [ss.FrictionLaw(text).bound.is_straight for text in ("0.4 - 0.1*v", "0.4", "0.4 - v^2")]
     assert straight == [True, True, False]
     assert not law.bound.is_straight
-    assert not ss.FrictionLaw("0.4 - 0.1*v", static=0.5).bound.is_straight

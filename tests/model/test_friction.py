@@ -166,7 +166,7 @@ def test_the_lowest_coefficient_of_random_laws():
         bound = law.bind(q=rng.uniform(0.5, 9), s=rng.uniform(0, 6))
         end = 10 ** rng.uniform(-3, 0.5)
         fine = float(np.min(bound.mu(np.linspace(0, end, 20001))))
-        v, mu = lowest(bound, end)
+        v, mu = lowest(bound.bound, end)
         assert 0 < v <= end * (1 + 1e-12)
         assert mu == pytest.approx(fine, abs=2e-3)
 

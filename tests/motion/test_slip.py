@@ -15,7 +15,7 @@ def systems(count, seed):
     """Yield laws, dimensionless oscillators and initial conditions q, w, side."""
     rng = np.random.default_rng(seed)
     for _, law, osc, *_ in points(count, seed):
-        system = Dimensionless.of(law, osc)
+        system = Dimensionless.of(law.bound, osc)
         q = rng.uniform(-2, 2) * (1 + 0.3 * system.eta)
         yield law, system, q, rng.uniform(0, 2.5), int(rng.choice((1, 1, -1)))
 
@@ -72,7 +72,7 @@ def test_extremum_is_located_before_a_crossing():
     """The slip from P grazes the belt's speed at the threshold: just above it turns, just below it returns."""
     law, osc = ss.laws.exponential.typical(), ss.Oscillator(m=1, k=100, V=0.5, N=9.81)
     c = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100, method="proof", rtol=1e-12).value
-    system = Dimensionless.of(law, osc)
+    system = Dimensionless.of(law.bound, osc)
     for off, end in ((1e-11, End.MINIMUM), (-1e-11, End.RETURN)):
         slip = replace(system, zeta=c * (1 + off) / 20).slip(0.0, 0.0, until=End.MINIMUM, rtol=1e-13)
         assert slip.end is end

@@ -53,7 +53,7 @@ def test_needed_damping_is_that_of_collocation(law):
     osc = paper_oscillator()
     need = needed_damping(law, osc)
     A = np.random.default_rng(4).uniform(0.01, 1, 12)
-    direct = orbits(law, osc.V, osc.N / osc.impedance, A)
+    direct = orbits(law.bound, osc.V, osc.N / osc.impedance, A)
     known = np.isfinite(direct.d)  # a steep law asks for more phases than collocation takes
     assert known.sum() >= 11
     variation = np.ptp(need.at(np.linspace(0, 1, 50)))

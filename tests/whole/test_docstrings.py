@@ -92,7 +92,7 @@ def check_lienard():
 def check_rates():
     """The rates of q and w are those of the equation of motion, in units."""
     osc, rng = paper_oscillator(1.3), np.random.default_rng(8)
-    system = Dimensionless.of(LAW, osc)
+    system = Dimensionless.of(LAW.bound, osc)
     for q, w, side in zip(rng.normal(size=9), rng.uniform(0.1, 3, 9), (1, -1, 1) * 3, strict=True):
         x, v = osc.onset(LAW) + osc.length * q, osc.V * (1 - side * w)
         force = side * osc.N * LAW.mu(osc.V * w)

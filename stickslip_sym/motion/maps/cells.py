@@ -140,7 +140,7 @@ class _Decider:
 
     def __init__(self, law: FrictionLaw, V: float, points: Mapping[str, FloatArray], rtol: float) -> None:
         self.law, self.points, self.rtol = law, points, rtol
-        self.system = Dimensionless.of(law, self._oscillator(V, 0))
+        self.system = Dimensionless.of(law.bound, self._oscillator(V, 0))
         self.table, self.N = self.system.table, points["N"]
         impedance = np.sqrt(points["k"]) * np.sqrt(points["m"])
         self.eta = self.N / (V * impedance)
@@ -185,7 +185,9 @@ class _Decider:
         curves = dict.fromkeys(CURVES, np.full(zeta.size, math.nan))
         curves |= {"equilibrium": equilibrium * self.ratio, "exact": exact * self.ratio}
         with suppress(*NO_RESULT):
-            curves["least_squares"] = self.N * slope_mean(self.law, least_squares, np.array([self.system.V]))
+            curves["least_squares"] = self.N * slope_mean(
+                self.law.kinetic, least_squares, np.array([self.system.V])
+            )
         cells.thresholds[:] = list(curves.values())
         for i in np.flatnonzero(near).tolist():
             off = f"within {margin[i] * self.ratio[i]:.1e} kg/s of a threshold"

@@ -32,7 +32,6 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.kernel.data import TIGHT
 from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, needed_ratio, rough_ratio, sure_gap
-from stickslip_sym.motion.orbits.orbit import obstacle
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.thresholds.averages import average, slope_mean
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, transit
@@ -255,12 +254,14 @@ def excess(points: OperatingPoints, c: float, method: Method | None) -> float:
     deadline.check_time()
     try:
         if method is not None and method.criterion is not None:
-            given = points.law, method.criterion, points.V
-            mean = float(slope_mean(*given)[0])  # it has no value where a slope overflows, as with huge exponents
-            return float(points.N[0]) * (float(average(*given)[0]) if math.isnan(mean) else mean) - c
+            law, weighted = points.law, (method.criterion, points.V)
+            mean = float(
+                slope_mean(law.kinetic, *weighted)[0]
+            )  # none where a slope overflows, as with huge exponents
+            return float(points.N[0]) * (float(average(law, *weighted)[0]) if math.isnan(mean) else mean) - c
         if method is not None and not method.converges:
             return float(ask(points, method, SIGNS)[0].value[0]) - c
-        system = Dimensionless.of(points.law, points.oscillator(0, c))
+        system = Dimensionless.of(points.bound, points.oscillator(0, c))
     except NO_RESULT:
         return math.nan
     gap = sure_gap(system.rise, system.eta, system.zeta, system.push(1), 1.0, SIGNS)
@@ -364,7 +365,7 @@ class _Search:
         try:
             points = self.at(x)
             if self.criterion is not None:
-                value = points.N * slope_mean(points.law, self.criterion, points.V)
+                value = points.N * slope_mean(points.law.kinetic, self.criterion, points.V)
                 lost = np.isnan(value)  # as where a slope overflows, with huge exponents
                 if lost.any():
                     some = points.rows(lost)
@@ -374,7 +375,7 @@ class _Search:
                 value = ask(points, self.method, SIGNS)[0].value
                 return value, SAME * points.slope_scale
             value, error = none.copy(), np.full(len(points), np.inf)
-            if sketch and len(points) > 1 and obstacle(points.law, points.V) is None:
+            if sketch and len(points) > 1 and points.obstacle is None:
                 computed, _ = ask(points, methods()["second_order"], _CLOSE)
                 value, error = computed.value, computed.relative_error * points.error_base(computed.value)
             far = ~(error <= (_DISTANT * np.abs(value - self.c) if sketch else 0.0))
@@ -389,7 +390,7 @@ class _Search:
         return value, error
 
     def _by_slip(self, points: OperatingPoints, row: int, sketch: bool, *, fast: bool) -> tuple[float, float]:
-        system = Dimensionless.of(points.law, points.oscillator(row))
+        system = Dimensionless.of(points.bound, points.oscillator(row))
         unit = 2 * float(points.impedance[row])
         if sketch:
             zeta, error = rough_ratio(system, _ROUGH, fast=fast)
@@ -421,7 +422,7 @@ class _Search:
                 raise NotConverged(f"friction is too strong at every {self.of}; give ", _WITHIN)
             return _spaced(float(speeds[strong[first]]), float(speeds[strong[first + 1] - 2]))
         unit = self.at(1.0)
-        excess = float((unit.strength / unit.V)[0]) * (self.law.static_value - self.law.onset)
+        excess = float((unit.strength / unit.V)[0]) * (self.law.bound.static - self.law.bound.onset)
         slopes = float((unit.slope_scale / unit.impedance)[0])
         if not max(slopes, excess):
             raise InputError(f"without a normal force, or a slope of mu, nothing depends on {self.of}")
@@ -435,7 +436,7 @@ class _Search:
         points = self.at(x)
         if not points.has_oscillator:
             return np.zeros(len(points), dtype=bool)
-        excess = points.strength / points.V * (points.law.static_value - points.law.onset)
+        excess = points.strength / points.V * (points.bound.static - points.bound.onset)
         return (points.slope_scale / points.impedance > _STRONGEST[0]) | (excess > _STRONGEST[1])
 
     # -- roots -------------------------------------------------------------------------------------
@@ -527,7 +528,9 @@ class _Search:
         elif self.of == "V" and law.expr.is_polynomial(symbols.v):
             # mu = sum of g_n v^n gives c = -N sum of n g_n <(1 + s)^(n-1)> V^(n-1).
             terms = sp.Poly(sp.diff(law.expr, symbols.v), symbols.v).all_coeffs()[::-1]
-            coefficients = [-N * law.number(g) * float(criterion.mean_power(n)) for n, g in enumerate(terms)]
+            coefficients = [
+                -N * law.kinetic.number(g) * float(criterion.mean_power(n)) for n, g in enumerate(terms)
+            ]
         elif self.of in law.parameters and law.expr.is_polynomial(symbol := law.parameters[self.of].symbol):
             degree = max(0, sp.degree(law.slope_expr, symbol))  # that of 0 is minus infinity
             places = np.linspace(0.0, self._usual or 1.0, int(degree) + 1)

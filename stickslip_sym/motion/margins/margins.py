@@ -210,8 +210,7 @@ def margins(
     quantities = {one.name: getattr(osc, one.name) for one in fields(osc)}
     if samples < 0:
         raise InputError(f"samples = {samples} must not be negative; 0 is for none")
-    with deadline.time_limit(each):
-        pass  # which refuses what is no number of seconds
+    deadline.require_seconds(each)
     with deadline.time_limit(time_limit):
         numbers = {name: carried.get(name, quantities[name]) for name in "VNmk"}
         threshold = pure_slip_damping(law, **numbers, method=method, rtol=rtol)

@@ -289,7 +289,7 @@ def quick_speeds(table: FrictionTable, V: float) -> list[float]:
 
 def needed_damping(law: FrictionLaw, osc: Oscillator) -> NeededDamping:
     """Return the damping that slip orbits need as a function of their amplitude; the c of `osc` is not used."""
-    system = Dimensionless.of(law, osc)
+    system = Dimensionless.of(law.bound, osc)
     return _kept(system.table, system.eta, system.V)
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core.aliases import BoolArray, ComplexArray, FloatArray
-from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.motion.orbits.needed import ROUNDING
 
 _GRIDS = (32, 192, 1152)  # phases in half a period; the next where these do not do
@@ -66,10 +66,10 @@ class Expansion(NamedTuple):
         return self.tail <= ROUNDING
 
 
-def expand(law: FrictionLaw, V: ArrayLike, *, grids: Sequence[int] = _GRIDS) -> Expansion:
+def expand(law: BoundLaw, V: ArrayLike, *, grids: Sequence[int] = _GRIDS) -> Expansion:
     """Expand slip orbits for weak friction.
 
-    - `law`: with all parameters bound, smooth on the speeds of the orbits.
+    - `law`: smooth on the speeds of the orbits.
     - `V`: belt speeds in m/s.
     - `grids`: numbers of phases in half a period, of which the first that resolves the law is taken, or the last.
     """
@@ -79,7 +79,7 @@ def expand(law: FrictionLaw, V: ArrayLike, *, grids: Sequence[int] = _GRIDS) -> 
         again = ~expansion.resolved
         if again.any():
             finer = _expand(_falls(law, V[again], size))
-            seen = law.bound.table.resolved(0.0, 2 * V[again], size)
+            seen = law.table.resolved(0.0, 2 * V[again], size)
             finer = finer._replace(tail=np.where(seen, finer.tail, np.inf))
             for column, values_there in zip(expansion, finer, strict=True):
                 column[again] = values_there
@@ -87,14 +87,16 @@ def expand(law: FrictionLaw, V: ArrayLike, *, grids: Sequence[int] = _GRIDS) -> 
 
 
 def expansion_changes(
-    law: FrictionLaw, V: FloatArray, weak: Expansion, name: str
+    law: BoundLaw, partial: BoundLaw, V: FloatArray, weak: Expansion
 ) -> tuple[FloatArray, FloatArray]:
-    """Return how `harmonic` and `second` change with a parameter, or with ln V for "V".
+    """Return how `harmonic` and `second` change with a parameter, or with ln V.
+
+    - `partial`: the derivative of the law by that, as `FrictionLaw.partial` gives it.
 
     They are of the first and of the third degree in the slopes, so central differences over one step and two are
     exact.
     """
-    fall, change = (_falls(varied, V, int(weak.phases.max())) for varied in (law, law.partial(name)))
+    fall, change = (_falls(varied, V, int(weak.phases.max())) for varied in (law, partial))
     by_itself = _expand(change)
     step = np.where(by_itself.largest > 0, weak.largest / by_itself.largest, 1.0)
 
@@ -107,7 +109,7 @@ def expansion_changes(
     return by_itself.harmonic, (4 * difference(step) - difference(2 * step)) / 3
 
 
-def _falls(law: FrictionLaw, V: FloatArray, size: int) -> FloatArray:
+def _falls(law: BoundLaw, V: FloatArray, size: int) -> FloatArray:
     """Return -mu' at the phases of a harmonic motion, v = V (1 - cos(theta)), a row for each belt speed."""
     theta = (np.arange(size) + 0.5) * (np.pi / size)  # midpoints of cells, so that v = 0 itself is never met
     return -law.at_speeds(2 * V[:, None] * np.sin(theta / 2) ** 2, derivative=True)
@@ -135,7 +137,7 @@ def _expand(half: FloatArray) -> Expansion:
     return Expansion(harmonic, second, np.abs(b) @ n, largest, tail, np.full(len(half), size))
 
 
-def of_layer(law: FrictionLaw, V: FloatArray, strength: FloatArray, phases: ArrayLike) -> FloatArray:
+def of_layer(law: BoundLaw, V: FloatArray, strength: FloatArray, phases: ArrayLike) -> FloatArray:
     """Return the damping over sqrt(k m) that a layer of the law at rest may add, of which a grid sees nothing.
 
     A thin layer acts as a static coefficient that lies higher by its height h: the halves of the grazing orbit
@@ -151,6 +153,6 @@ def of_layer(law: FrictionLaw, V: FloatArray, strength: FloatArray, phases: Arra
     first = 2 * V * np.sin(np.pi / (4 * np.asarray(phases))) ** 2
     with np.errstate(all="ignore"):
         slopes = law.at_speeds(first[:, None] * squares, derivative=True)
-        height = law.bound.table.values(first) - first * (slopes @ shares)
+        height = law.table.values(first) - first * (slopes @ shares)
     value: FloatArray = (strength * height / V) ** 2 / (2 * np.pi)
     return value

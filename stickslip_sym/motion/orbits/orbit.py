@@ -25,8 +25,8 @@ from scipy.linalg.lapack import dgesv
 
 from stickslip_sym.core.aliases import ComplexArray, FloatArray
 from stickslip_sym.core.deadline import check_time
-from stickslip_sym.criteria.rule import slope_average
-from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.criteria.rule import gauss_average
+from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.motion.orbits.expansion import coefficients, of_layer, values
 
 _GRIDS = (32, 64, 128, 192)  # points a period; finer ones take longer than a simulation
@@ -55,12 +55,12 @@ class Orbits:
 
 
 def orbits(
-    law: FrictionLaw, V: ArrayLike, strength: ArrayLike, A: ArrayLike = 1.0, *, rtol: float = 1e-13,
-    added: Sequence[FrictionLaw] = (),
+    law: BoundLaw, V: ArrayLike, strength: ArrayLike, A: ArrayLike = 1.0, *, rtol: float = 1e-13,
+    added: Sequence[BoundLaw] = (),
 ) -> Orbits:  # fmt: skip
     """Return the pure-slip orbits of given height; what is not known of one that was not found is NaN.
 
-    - `law`: with all parameters bound, smooth on the speeds of the orbit.
+    - `law`: smooth on the speeds of the orbit.
     - `V`: belt speeds in m/s.
     - `strength`: N/sqrt(k m) in m/s.
     - `A`: highest velocity over belt speed, at most 1.
@@ -69,31 +69,17 @@ def orbits(
     """
     V, strength, A = (np.ravel(column).astype(np.float64) for column in np.broadcast_arrays(V, strength, A))
     with np.errstate(all="ignore"):  # iterates that run away are given up
-        harmonic = strength * slope_average(law, V, A)[0]
+        harmonic = strength * gauss_average(law, V, A)[0]
         starts = [_Orbit.start(law, *point) for point in np.transpose([V, strength, A, harmonic]).tolist()]
         rows = np.reshape([_solved(start, rtol, added) for start in starts], (-1, 4 + len(added)))
     d, relative_error, exponent, lowest = rows[:, :4].T
     return Orbits(d, relative_error, exponent, lowest, rows[:, 4:])
 
 
-def obstacle(law: FrictionLaw, V: ArrayLike, lowest: float = -1.0) -> str | None:
-    """Say why slip orbits of a law are not smooth at belt speeds V, or return None.
-
-    - `lowest`: the lowest velocity of the orbits over the belt speed.
-    """
-    if law.static is not None:
-        static, onset = law.static_value, law.onset
-        if static > onset:
-            return f"its static coefficient {static:g} lies above mu(0+) = {onset:g}"
-    reach = float(np.max(V, initial=0.0)) * (1 - lowest)
-    kinks = [float(place) for place in law.kinks() if place < reach]
-    return f"it has a kink at v = {kinks[0]:g}, which the orbit passes" if kinks else None
-
-
 # -- collocation -----------------------------------------------------------------------------------
 
 
-def _solved(orbit: "_Orbit", rtol: float, added: Sequence[FrictionLaw]) -> list[float]:
+def _solved(orbit: "_Orbit", rtol: float, added: Sequence[BoundLaw]) -> list[float]:
     """Solve by Newton's method, on a finer grid whenever that is done; return the row of an orbit."""
     longest, before = math.inf, math.inf
     for _ in range(_MOST_STEPS):
@@ -143,7 +129,7 @@ class _Orbit:
     from slopes at every scale, over sqrt(k m).
     """
 
-    law: FrictionLaw
+    law: BoundLaw
     V: float
     strength: float
     A: float
@@ -153,7 +139,7 @@ class _Orbit:
     sigma: float = 0.0
 
     @classmethod
-    def start(cls, law: FrictionLaw, V: float, strength: float, A: float, harmonic: float) -> "_Orbit":
+    def start(cls, law: BoundLaw, V: float, strength: float, A: float, harmonic: float) -> "_Orbit":
         """Return the harmonic motion on the coarsest grid that misses nothing of the law, or on the finest."""
         orbit = cls(law, V, strength, A, harmonic, np.array([0, A / 2 + 0j]), harmonic)
         return next(filter(_Orbit.sees, map(orbit.on, _GRIDS[:-1])), orbit.on(_GRIDS[-1]))
@@ -161,7 +147,7 @@ class _Orbit:
     def sees(self) -> bool:
         """Whether the grid meets every narrow piece of the law's table within the orbit's speeds."""
         low, high = self.V * (1 - self.A), self.V * (1 - self.lowest)
-        return bool(self.law.bound.table.resolved(low, high, len(self.z)))
+        return bool(self.law.table.resolved(low, high, len(self.z)))
 
     @property
     def velocity(self) -> FloatArray:
@@ -213,7 +199,7 @@ class _Orbit:
         self.z[1] = self.A / 2 - self.z[2:].real.sum() - 1j * (n * self.z[2:].imag).sum()  # z(0) = A, z'(0) = 0
         return float(np.abs(change).max()) / min(1.0, strength), g, _tail(push / strength)
 
-    def changes(self, added: Sequence[FrictionLaw]) -> FloatArray:
+    def changes(self, added: Sequence[BoundLaw]) -> FloatArray:
         """Return the derivatives of d: the equations are solved for what other slopes add to their right side."""
         velocity, n = self.velocity, np.arange(1, len(self.z))
         rate, speed = values(1j * np.arange(len(self.z)) * self.z), self.V * np.abs(1 - velocity)

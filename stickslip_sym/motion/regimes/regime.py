@@ -107,7 +107,7 @@ class Regime(drawing.Drawn):
     @cached_property
     def system(self) -> Dimensionless:
         """The oscillator free of units."""
-        return Dimensionless.of(self.law, self.oscillator)
+        return Dimensionless.of(self.law.bound, self.oscillator)
 
     @cached_property
     def height(self) -> float:

@@ -95,7 +95,7 @@ def stick_slip_cycle(
     """
     law, rtol = as_law(law), read_rtol(rtol)
     with deadline.time_limit(time_limit):
-        system = Dimensionless.of(law, osc)
+        system = Dimensionless.of(law.bound, osc)
         slip = system.slip(0.0, 0.0, passes=1, until=End.MINIMUM, level=1.0, rtol=rtol)
     if slip.end is not End.RETURN or not system.sticks(slip.q):
         return None
@@ -138,7 +138,7 @@ def peak_velocity(law: FrictionLaw | str, osc: Oscillator, *, rtol: float = 1e-1
     >>> [round(ss.peak_velocity(law, ss.Oscillator(m=1, k=100, c=c, V=0.5, N=9.81)), 6) for c in (2.5, 2.7)]
     [0.513853, 0.475376]
     """
-    height = first_minimum(Dimensionless.of(as_law(law), osc), 0.0, 0.0, read_rtol(rtol))
+    height = first_minimum(Dimensionless.of(as_law(law).bound, osc), 0.0, 0.0, read_rtol(rtol))
     if math.isinf(height):
         raise NotConverged("the velocity has no peak after the slip from P, it falls for ever; try a larger c")
     if height == 1:

@@ -13,6 +13,7 @@ from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.deadline import check_time, time_left
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.numbers import SAME
+from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.simulation.trajectory import Outcome, Phase, Stretch, Trajectory
@@ -23,7 +24,7 @@ _STEP = 0.1  # of 1/omega, the longest: events are seen where a step has differe
 
 
 def slip_by_solve_ivp(
-    law: FrictionLaw, osc: Oscillator, t: float, x: float, v: float, side: int, t_end: float, rtol: float,
+    law: BoundLaw, osc: Oscillator, t: float, x: float, v: float, side: int, t_end: float, rtol: float,
     **options: Any,
 ) -> Any:  # fmt: skip
     """Follow slip on one side of the belt's speed, 1 below and -1 above, until it comes back to it.
@@ -59,7 +60,8 @@ def simulate_by_solve_ivp(
     law: FrictionLaw, osc: Oscillator, x0: float, v0: float, t_end: float, rtol: float, **options: Any
 ) -> Trajectory:
     """Return the motion as `simulate` does: slip by `solve_ivp` with its `options`, stick in closed form."""
-    hold = law.static_value * osc.N
+    bound = law.bound
+    hold = bound.static * osc.N
     x_P = (hold - osc.c * osc.V) / osc.k
     t, x, v = 0.0, x0, v0
     stretches = list[Stretch]()
@@ -71,7 +73,7 @@ def simulate_by_solve_ivp(
         else:
             side = math.copysign(1, pull) if v == osc.V else math.copysign(1, osc.V - v)
             phase = Phase.SLIP_BACK if side > 0 else Phase.SLIP_FORWARD
-            solution = slip_by_solve_ivp(law, osc, t, x, v, int(side), t_end, rtol, **options)
+            solution = slip_by_solve_ivp(bound, osc, t, x, v, int(side), t_end, rtol, **options)
             samples = np.array([solution.t, *solution.y])
             if solution.t_events[0].size:
                 samples[2, -1] = osc.V

@@ -127,7 +127,7 @@ def _one(
     law: FrictionLaw, osc: Oscillator, x0: float, v0: float, t_end: float, rtol: float, max_steps: int
 ) -> Trajectory:
     """Return the motion from one initial condition; its samples hold the extremes of x and of v."""
-    system, x_P, horizon = Dimensionless.of(law, osc), osc.onset(law), t_end * osc.omega
+    system, x_P, horizon = Dimensionless.of(law.bound, osc), osc.onset(law), t_end * osc.omega
     stretches, known = list[Stretch](), dict[float, Slip[float]]()
     outcome, note = Outcome.FINISHED, ""
     tau, steps, q, u = 0.0, 0, (x0 - x_P) / osc.length, v0 / osc.V
@@ -204,7 +204,7 @@ def _many(
     workers: int,
 ) -> Trajectories:  # fmt: skip
     """Return the ends of the motions from many initial conditions."""
-    system, x_P, horizon = Dimensionless.of(law, osc), osc.onset(law), t_end * osc.omega
+    system, x_P, horizon = Dimensionless.of(law.bound, osc), osc.onset(law), t_end * osc.omega
     q, u = (x0.ravel() - x_P) / osc.length, v0.ravel() / osc.V
     w, side = system.slip_speed(q, u)
     lowest, highest = np.array([q, u]), np.array([q, u])

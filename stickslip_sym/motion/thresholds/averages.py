@@ -14,7 +14,8 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.criteria.rule import slope_average
+from stickslip_sym.criteria.rule import gauss_average
+from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.expression.pieces import jumps, rate
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.table import FrictionTable
@@ -36,7 +37,7 @@ class _Shape:
 
 
 @lru_cache(maxsize=128)
-def _slope_average(shape: _Shape, criterion: Criterion) -> "SlopeAverage":
+def _fast_function(shape: _Shape, criterion: Criterion) -> "SlopeAverage":
     from stickslip_sym.formula.slope_average import slope_average
 
     return slope_average(shape.law.with_static(None), criterion)  # no slope average sees it, nor its parameters
@@ -44,7 +45,7 @@ def _slope_average(shape: _Shape, criterion: Criterion) -> "SlopeAverage":
 
 def average(law: FrictionLaw, criterion: Criterion, V: FloatArray) -> FloatArray:
     """Return a criterion's average of -mu', in s/m, at belt speeds; no closed form is derived for it."""
-    compiled = _slope_average(_Shape(law.expr, law), criterion)
+    compiled = _fast_function(_Shape(law.expr, law), criterion)
     values: dict[str, Any] = {
         name: float(value) for name, value in law.values.items() if name in compiled.arguments
     }
@@ -52,7 +53,7 @@ def average(law: FrictionLaw, criterion: Criterion, V: FloatArray) -> FloatArray
 
 
 def slope_mean(
-    law: FrictionLaw,
+    law: BoundLaw,
     criterion: Criterion,
     V: FloatArray,
     table: FrictionTable | None = None,
@@ -60,13 +61,13 @@ def slope_mean(
 ) -> FloatArray:
     """Return the same by Gauss's rule: nothing is made for each value of a parameter.
 
-    - `table`, `like`: as for `criteria.rule.slope_average`.
+    - `table`, `like`: as for `criteria.rule.gauss_average`.
 
     Raises `NotConverged` where the slopes do not add up to the rise of mu.
     """
     if not law.expr.has(symbols.v):
         return np.zeros_like(V)
-    mean, error, size = slope_average(law, V, criterion=criterion, table=table, like=like)
+    mean, error, size = gauss_average(law, V, criterion=criterion, table=table, like=like)
     off = np.flatnonzero((error > _RESOLVED * np.abs(mean)) & (error > _CANCELLED * size))
     if off.size:
         raise NotConverged(
@@ -81,16 +82,15 @@ def average_changes(criterion: Criterion, points: OperatingPoints) -> dict[str, 
     law, N, V = points.law, points.N, points.V
 
     def changed(name: str) -> FloatArray:
-        partial = law.partial(name)
-        table = law.bound.table
+        partial, table = law.partial(name).kinetic, law.kinetic.table
         smooth = not (table.kinks or table.narrow.size)
-        own = None if smooth else partial.bound.table_up_to(2 * float(V.max()))
+        own = None if smooth else partial.table_up_to(2 * float(V.max()))
         by_slopes = slope_mean(partial, criterion, V, own, table if smooth else None)
         return N * (by_slopes + _of_jumps(law, criterion, V, name))
 
     return (
         {name: np.zeros_like(V) for name in points.columns}
-        | {"V": changed("V") / V, "N": slope_mean(law, criterion, V)}
+        | {"V": changed("V") / V, "N": slope_mean(law.kinetic, criterion, V)}
         | {name: changed(name) for name in law.parameters}
     )
 
@@ -102,7 +102,7 @@ def _of_jumps(law: FrictionLaw, criterion: Criterion, V: FloatArray, name: str) 
         return sums
     for jump, height in jumps(law.expr, law.point):
         moved = -jump if name == "V" else rate(jump, law.parameters[name].symbol)
-        at, by, size = (law.number(part) for part in (jump, moved, height))
+        at, by, size = (law.kinetic.number(part) for part in (jump, moved, height))
         kernel = criterion.kernel.subs(symbols.v, at)
         for row, speed in enumerate(V):
             if 0 < at < 2 * speed:

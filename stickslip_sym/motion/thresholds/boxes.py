@@ -28,7 +28,6 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.core.remedies import Argument
 from stickslip_sym.model.at_rest import symbolic_limit_at_rest
-from stickslip_sym.model.expression.pieces import branch_from
 from stickslip_sym.model.law import FrictionLaw
 
 _SCALES = tuple(2.0**-i for i in range(-1, 9))  # of the radii that are tried for the polydisc
@@ -61,7 +60,7 @@ class ExactPoint:
     @property
     def at_rest(self) -> Expr:
         """The coefficient mu(0+), by the first segment at v = 0, or its limit there; refused where it has none."""
-        first = branch_from(self.law.expr, self.law.point, sp.Integer(0))
+        _, first = self.law.bound.segments[0]
         infinite = sp.nan, sp.zoo, sp.oo, -sp.oo
         onset = first.xreplace({symbols.v: sp.Integer(0)})
         onset = symbolic_limit_at_rest(first) if onset.has(*infinite) else onset
@@ -71,12 +70,11 @@ class ExactPoint:
 
     def segments(self, c: Rational) -> list["Segment"]:
         """Return the smooth segments of the field, ascending, at the working precision."""
-        law, impedance = self.law, sp.sqrt(self.k * self.m)
-        static = self.at_rest if law.static is None else law.static
-        starts = [sp.Integer(0), *law.kinks()]
+        law, impedance = self.law.bound, sp.sqrt(self.k * self.m)
+        static = self.at_rest if law.static_expr is None else law.static_expr
         segments = []
-        for start, end in zip(starts, [*starts[1:], law.v_max], strict=True):
-            mu = branch_from(law.expr, law.point, start).xreplace({symbols.v: self.V * _w})
+        for (start, formula), end in zip(law.segments, [*law.exact_kinks, law.end], strict=True):
+            mu = formula.xreplace({symbols.v: self.V * _w})
             push = self.N / (self.V * impedance) * (static - mu) - c / impedance * _w
             segments.append(
                 Segment(

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NotConverged
+from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.expression.pieces import places, rate
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
@@ -23,7 +24,7 @@ _BEYOND = 1.5  # times the highest slip speed, up to which a derivative of the l
 _SAME = 1e-8  # relative distance of two slip speeds that are one, as the highest and one at which mu jumps
 
 
-def grazing_damping(law: FrictionLaw, osc: Oscillator, *, rtol: float, fast: bool = False) -> tuple[float, float]:
+def grazing_damping(law: BoundLaw, osc: Oscillator, *, rtol: float, fast: bool = False) -> tuple[float, float]:
     """Return the damping c in kg/s at which the slip from P grazes the belt's speed, and its error in kg/s.
 
     - `osc`: its own c is not used.
@@ -42,7 +43,8 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
 
     Raises as `needed_ratio`, and `NotConverged` where the halves do not meet within rounding.
     """
-    system = Dimensionless.of(law, osc)
+    bound = law.bound
+    system = Dimensionless.of(bound, osc)
     zeta, error = needed_ratio(system)
     rise, eta, V, push = system.rise, system.eta, osc.V, system.push(1)
     damped, wedge = replace(system, zeta=zeta + error), system.difference._replace(linear=-2.0)
@@ -73,8 +75,8 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     }
     for name, parameter in law.parameters.items():
         symbol, partial = parameter.symbol, law.partial(name).bound.table_up_to(_BEYOND * highest * V)
-        onset = law.number(rate(law.static_expr, symbol)) - partial.onset
-        moves = [(law.number(place), law.number(rate(place, symbol)) / V) for place in places(law.expr)]
+        onset = bound.number(rate(law.static_expr, symbol)) - partial.onset
+        moves = [(bound.number(place), bound.number(rate(place, symbol)) / V) for place in places(law.expr)]
         shifts = [next((by for v, by in moves if math.isclose(v, level, rel_tol=_SAME)), 0.0) for level in levels]
         sources[name] = Wedge(eta * onset, 0.0, -eta, partial.at(V).pieces, shifts)
     by = {name: -derivative(source) / slope * unit for name, source in sources.items()}

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import BoolArray, FloatArray, ObjectArray
 from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.core.numbers import lookup
@@ -25,7 +24,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.kernel.data import TIGHT
 from stickslip_sym.motion.orbits.expansion import expand, expansion_changes, of_layer
 from stickslip_sym.motion.orbits.needed import ROUNDING
-from stickslip_sym.motion.orbits.orbit import obstacle, orbits
+from stickslip_sym.motion.orbits.orbit import orbits
 from stickslip_sym.motion.thresholds.averages import average, average_changes
 from stickslip_sym.motion.thresholds.grazing import grazing_damping, grazing_sensitivity
 from stickslip_sym.motion.thresholds.operating_points import VANISHING, OperatingPoints
@@ -114,7 +113,7 @@ class Method:
         """Refuse operating points without m and k, or a law that is not smooth, where they are needed."""
         if self.oscillator and not has_oscillator:
             raise InputError(Argument("method", self.name), " needs the mass m and the stiffness k")
-        if self.smooth and (reason := obstacle(law, V)) is not None:
+        if self.smooth and (reason := law.bound.obstacle(2 * float(np.max(V, initial=0.0)))) is not None:
             raise _not_smooth(self.name, reason)
 
 
@@ -235,7 +234,7 @@ def _in_turn(points: OperatingPoints, rtol: float, prove: bool) -> Iterator[tupl
 
     Time stepping in double precision has an end; a proof takes a hundred times as long, and has any digits.
     """
-    smooth = obstacle(points.law, points.V) is None
+    smooth = points.obstacle is None
     chosen = [
         candidate for candidate in methods().values() if candidate.automatic and (smooth or not candidate.smooth)
     ]
@@ -287,8 +286,8 @@ def _by_average(criterion: Criterion, points: OperatingPoints, rtol: float) -> C
 
 
 def is_straight(law: FrictionLaw) -> bool:
-    """Whether mu is a straight line down to rest, of which every average is exact."""
-    return not law.slope_expr.has(symbols.v) and not law.kinks() and obstacle(law, 0.0) is None
+    """Whether mu is a straight line down to rest, of which every average is the threshold."""
+    return law.kinetic.is_straight and law.bound.obstacle(0.0) is None
 
 
 # -- slip orbits -----------------------------------------------------------------------------------
@@ -308,12 +307,12 @@ def _by_expansion(points: OperatingPoints, rtol: float) -> Computed:
         # `tail` is relative to the largest slope; a layer between v = 0 and the first phase would pass unseen.
         resolution = N * (weak.tail * weak.largest + np.abs(weak.harmonic - everything) + unsure)
         scale = N * np.maximum(weak.largest, np.abs(everything))
-        layer = points.impedance * of_layer(points.law, points.V, strength, weak.phases)
+        layer = points.impedance * of_layer(points.bound, points.V, strength, weak.phases)
         more = (strength * weak.overtones) ** 4 * scale + layer
         error = points.relative(resolution + more + ROUNDING * points.slope_scale, value)
         # The orbit goes beyond 2 V by its overtones, to where the expansion does not look.
         beyond = points.V * (2 + strength * weak.overtones + _BESIDE)
-        table = points.law.bound.table
+        table = points.bound.table
         smooth = table.resolved(2 * points.V, beyond, 1) & (beyond < min(table.kinks, default=math.inf))
         error[~smooth] = np.inf
     return Computed(value, np.where(np.isfinite(value) & ~np.isnan(error), error, np.inf))
@@ -325,7 +324,7 @@ def _expansion_changes(points: OperatingPoints) -> dict[str, FloatArray]:
     by_inertia = -N * weight * weak.second
 
     def changed(name: str) -> FloatArray:
-        harmonic, second = expansion_changes(law, points.V, weak, name)
+        harmonic, second = expansion_changes(points.bound, law.partial(name).bound, points.V, weak)
         return np.asarray(N * (harmonic + weight * second))
 
     with np.errstate(all="ignore"):
@@ -340,17 +339,18 @@ def _expansion_changes(points: OperatingPoints) -> dict[str, FloatArray]:
 
 def _orbit_cost(points: OperatingPoints, rtol: float) -> FloatArray:
     """Return less than a simulation for a law that few phases resolve: too strong a friction shows at once."""
-    tail = expand(points.law, points.V, grids=[_PHASES]).tail
+    tail = expand(points.bound, points.V, grids=[_PHASES]).tail
     return np.where(tail <= min(_RESOLVED, _FALLS * rtol), 2.0, 10.0)
 
 
 def _by_orbit(points: OperatingPoints, rtol: float) -> Computed:
-    orbit = orbits(points.law, points.V, points.strength, rtol=rtol)
+    orbit = orbits(points.bound, points.V, points.strength, rtol=rtol)
     value = orbit.d * points.impedance
     with np.errstate(invalid="ignore"):
         error = points.relative(orbit.relative_error * np.abs(value), value)  # NaN where d is 0 but need not be
     error[np.isnan(error)] = np.inf
-    reason = obstacle(points.law, points.V, float(np.fmin.reduce(orbit.lowest, initial=0.0)) - _BESIDE)
+    lowest = float(np.fmin.reduce(orbit.lowest, initial=0.0)) - _BESIDE
+    reason = points.bound.obstacle(float(np.max(points.V, initial=0.0)) * (1 - lowest))
     if reason is not None:
         refusals = dict.fromkeys(range(len(points)), _not_smooth("orbit", reason))
         return Computed(np.full_like(value, np.nan), np.full_like(error, np.inf), refusals)
@@ -365,7 +365,8 @@ def _by_orbit(points: OperatingPoints, rtol: float) -> Computed:
 def _orbit_changes(points: OperatingPoints) -> dict[str, FloatArray]:
     """Differentiate the equations of collocation; the gap of both halves where they do not give the orbit."""
     law, N = points.law, points.N
-    orbit = orbits(law, points.V, points.strength, added=[law, *map(law.partial, ("V", *law.parameters))])
+    partials = [law.partial(name).bound for name in ("V", *law.parameters)]
+    orbit = orbits(points.bound, points.V, points.strength, added=[points.bound, *partials])
     by_N, by_V, *others = orbit.changes.T
     by_impedance = (orbit.d * points.impedance - N * by_N) / 2  # c/sqrt(k m) depends on N/sqrt(k m) alone
     columns = {"V": N * by_V / points.V, "N": by_N}
@@ -383,7 +384,9 @@ def _orbit_changes(points: OperatingPoints) -> dict[str, FloatArray]:
 def _by_simulation(points: OperatingPoints, rtol: float) -> Computed:
     """Return the damping at which the simulated slip from P grazes the belt's speed."""
     fast = len(points) >= _MANY
-    computed = _each(points, lambda row: grazing_damping(points.law, points.oscillator(row), rtol=rtol, fast=fast))
+    computed = _each(
+        points, lambda row: grazing_damping(points.bound, points.oscillator(row), rtol=rtol, fast=fast)
+    )
     return replace(computed, relative_error=points.relative(computed.relative_error, computed.value))
 
 
@@ -407,7 +410,7 @@ def _by_proof(points: OperatingPoints, rtol: float) -> Computed:
     theorems = {}
 
     def proved(row: int) -> tuple[float, float]:
-        c, error = grazing_damping(points.law, points.oscillator(row), rtol=_REFERENCE)
+        c, error = grazing_damping(points.bound, points.oscillator(row), rtol=_REFERENCE)
         scale, off = (
             float(points.slope_scale[row]),
             float(points.rows([row]).relative(np.array([error]), np.array([c]))[0]),

@@ -15,7 +15,8 @@ from stickslip_sym.core.errors import NO_RESULT, InputError
 from stickslip_sym.core.numbers import exact, fraction, read_array
 from stickslip_sym.core.remedies import Argument
 from stickslip_sym.core.uncertain import UFloat, split
-from stickslip_sym.criteria.rule import slope_average
+from stickslip_sym.criteria.rule import gauss_average
+from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.orbits.expansion import Expansion, expand
@@ -109,16 +110,26 @@ class OperatingPoints:
         """The strength of friction, N/sqrt(k m) in m/s."""
         return self.N / self.impedance
 
+    @property
+    def bound(self) -> BoundLaw:
+        """The law as numbers."""
+        return self.law.bound
+
+    @cached_property
+    def obstacle(self) -> str | None:
+        """Why slip up to twice the belt's speed is not smooth; None where it is."""
+        return self.bound.obstacle(2 * float(np.max(self.V, initial=0.0)))
+
     @cached_property
     def weak(self) -> Expansion:
         """The orbits that graze the belt's speed, expanded for weak friction."""
         with np.errstate(all="ignore"):
-            return expand(self.law, self.V)
+            return expand(self.bound, self.V)
 
     @cached_property
     def averaged(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """The average of -mu' by the harmonic weight, its error, and that of abs(mu'), in s/m."""
-        return slope_average(self.law, self.V)
+        return gauss_average(self.law.kinetic, self.V)
 
     @cached_property
     def slope_scale(self) -> FloatArray:

@@ -252,7 +252,7 @@ def checked_hypotheses(point: ExactPoint) -> tuple[tuple[str, str], ...]:
     Raises `InputError` if a hypothesis was not shown; the message says which, and why.
     """
     law = point.law
-    smooth, how = lipschitz_evidence(law)
+    smooth, how = lipschitz_evidence(law.bound)
     if not smooth:
         raise InputError(f"a threshold is proved for laws that are locally Lipschitz for v > 0, and {how}; try ",
                          Argument("method", "simulation"), ", which takes all laws")  # fmt: skip

@@ -311,13 +311,13 @@ def pure_slip_damping(
     law = as_law(law)
     chosen = find_method(method)
     points = OperatingPoints.of(law, osc, V=V, N=N, m=m, k=k)
-    law.function("numpy")  # refuses a law with parameters that have no value
+    law.require_values()
     if chosen is None and not points.has_oscillator:
         chosen = find_method("equilibrium" if is_straight(law) else "harmonic")
     least, most = (1e-13, 1.0) if chosen is None else (chosen.tightest, chosen.loosest)
     rtol = read_rtol(rtol, least=least, most=most)
     if len(points):
-        warn_where_negative(law, float(points.V.max()))
+        warn_where_negative(law.kinetic, float(points.V.max()))
     with deadline.time_limit(time_limit):
         deadline.check_time()
         computed, names, errors = good_enough(points, chosen, rtol)

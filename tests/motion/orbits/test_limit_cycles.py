@@ -68,7 +68,7 @@ GRID = np.linspace(0.005, 0.999, 100)
 
 def growth(law, osc, amplitudes):
     """Return the sign of the growth of a motion in one round, from peaks over V: 0 within rounding."""
-    system = Dimensionless.of(law, osc)
+    system = Dimensionless.of(law.bound, osc)
     system = replace(system, table=replace(system.table, static=system.table.onset))
     q = np.array([system.turn(w) for w in (1 - amplitudes).tolist()])
     slips = system.slips(q, 1 - amplitudes, until=End.MINIMUM, rtol=1e-12)
@@ -178,7 +178,7 @@ def test_cycles_are_fixed_points_of_their_rounds(law):
     """Kinked, jumping, measured and static; rounds beside it part as its exponent says, or merge by sliding."""
     c = float(needed_damping(law, paper_oscillator()).at(0.6)) * paper_oscillator().impedance
     for cycle in ss.limit_cycles(law, paper_oscillator(c)):
-        system = Dimensionless.of(law, paper_oscillator(c))
+        system = Dimensionless.of(law.bound, paper_oscillator(c))
         A = cycle.amplitude / 0.5
         slip = system.slip(system.turn(1 - A), 1 - A, until=End.MINIMUM, rtol=1e-12, wedge=(system.difference, -A))
         growth = slip.wedge / (slip.w - 1)
