@@ -8,15 +8,14 @@ from typing import Any
 
 import mpmath
 import numpy as np
-import sympy as sp
 
 from stickslip_sym.comparison.compare import Comparison, Row, measured
-from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Mpf
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.criteria import quadrature
 from stickslip_sym.criteria.criterion import Criterion, harmonic
+from stickslip_sym.criteria.rule import average_of_slope
 from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.formula.slope_average import slope_average
 from stickslip_sym.model.law import FrictionLaw
@@ -28,8 +27,6 @@ _STIFFER = 1e4  # times the stiffness: N/(V sqrt(k m)) falls to a hundredth, whe
 _SHOWN, _DIGITS = 1e-11, 12  # relative error of the threshold in the table, and digits of it: the last may be off
 _RTOL = 1e-6  # of the thresholds that a difference is explained by
 _FEWEST = 5  # points of which one may be left out
-# Midpoints of phi in v = V(1 - cos(phi)), where all weights are smooth.
-_ANGLES = (np.arange(2**15) + 0.5) * np.pi / 2**15
 
 
 @dataclass(frozen=True, repr=False)
@@ -136,14 +133,10 @@ def scatter(law: FrictionLaw, criterion: Criterion, V: float, N: float) -> float
     points += [] if end is None else [(end, exact(float(law.mu(float(end))), "mu"))]
     if len(points) < _FEWEST:
         return 0.0
-    speeds, weights = np.array(V), np.array(1.0)
-    if criterion.weight is not None:
-        speeds = V * (1 - np.cos(_ANGLES))
-        weight = sp.lambdify(symbols.s, criterion.weight, "numpy")(-np.cos(_ANGLES))
-        weights = weight * np.sin(_ANGLES) * np.pi / _ANGLES.size
-    values = []
+    values, whole = [], law.kinetic.table  # between whose places all curves are smooth
     for i in range(1, len(points) - 1):
         v, mu = zip(*points[:i], *points[i + 1 :], strict=True)
         slope = SampledCurve.through(v, mu, extrapolate=end is None).function("numpy", derivative=True)
-        values.append(N * np.sum(weights * slope(speeds)))
+        average, _, _ = average_of_slope(slope, whole, [V], criterion=criterion)
+        values.append(N * float(average[0]))
     return math.sqrt((len(values) - 1) * float(np.var(values)))

@@ -6,8 +6,8 @@ has narrow pieces or kinks. Jumps of mu are added. The slopes have to add up to 
 not is part of the error.
 """
 
-from collections.abc import Callable
-from functools import lru_cache
+from collections.abc import Callable, Iterable
+from functools import lru_cache, partial
 from itertools import chain
 from typing import Any, NamedTuple, TypeAlias
 
@@ -29,6 +29,7 @@ _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(_NODES)
 _DEGREES = np.arange(_NODES - 2, _NODES)
 _HIGHEST = (_DEGREES[:, None] + 0.5) * np.polynomial.legendre.legvander(_GAUSS, _NODES - 1).T[_DEGREES]
 """From what the nodes of a panel add to an integral to the highest coefficients of Legendre's polynomials."""
+Slope: TypeAlias = Callable[[FloatArray], FloatArray]
 _Others: TypeAlias = tuple[Criterion, FrictionTable, bool, tuple[float, ...]]
 _Three: TypeAlias = tuple[FloatArray, FloatArray, FloatArray]
 _Four: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
@@ -46,11 +47,31 @@ def gauss_average(
     - `table`: that of the law, where it is at hand.
     - `like`: in its place that of a smooth law which this one is the derivative of: it varies at the same speeds.
     """
+    slope = partial(law.at_speeds, derivative=True)
+    if criterion.weight is None:
+        return _at_belt(slope, law.kinks, np.array(V, np.float64).ravel())
+    if like is not None:
+        return average_of_slope(slope, like, V, A, criterion=criterion)
+    return average_of_slope(slope, table or law.table, V, A, criterion=criterion, own=True)
+
+
+def average_of_slope(
+    slope: Slope,
+    table: FrictionTable,
+    V: ArrayLike,
+    A: ArrayLike = 1.0,
+    *,
+    criterion: Criterion,
+    own: bool = False,
+) -> _Three:
+    """Return the same of a slope, a function of an array of slip speeds.
+
+    - `table`: that of a law which varies at the same speeds.
+    - `own`: whether it is that of the law whose slope this is.
+    """
     V, A = (np.array(column, np.float64).ravel() for column in np.broadcast_arrays(V, A))
     if criterion.weight is None:
-        slope = slope_between(law, V)
-        return -slope, _ROUNDING * np.abs(slope), np.abs(slope)
-    own, table = like is None, like or table or law.table
+        return _at_belt(slope, table.kinks, V)
     parting = np.unique([*table.narrow.ravel(), *table.kinks])
     inside = (parting > (V * (1 - A))[:, None]) & (parting < (V * (1 + A))[:, None])
     parted = inside.any(axis=1)
@@ -58,31 +79,30 @@ def gauss_average(
     for rows in chain([np.flatnonzero(~parted)], np.flatnonzero(parted)[:, None]):
         if rows.size:
             ends = tuple((parting[inside[rows[0]]] / V[rows[0]] - 1 + A[rows[0]]) / (2 * A[rows[0]]))
-            points = law, V[rows, None], A[rows, None], criterion, table, own, ends
+            points = slope, V[rows, None], A[rows, None], criterion, table, own, ends
             average[rows], error[rows], size[rows] = _settled(*points)
     return average, error, size
 
 
-def slope_between(law: BoundLaw, V: FloatArray) -> FloatArray:
-    """Return mu'(V); at a kink the mean of the slopes on both sides, by which small motions decay."""
-    slope = law.at_speeds(V, derivative=True)
-    for kink in law.kinks:
+def _at_belt(slope: Slope, kinks: Iterable[float], V: FloatArray) -> _Three:
+    """Return -mu'(V); at a kink the mean of the slopes on both sides, by which small motions decay."""
+    value = slope(V)
+    for kink in kinks:
         at = kink == V
-        below = law.at_speeds(np.nextafter(V[at], 0.0), derivative=True)
-        slope[at] = (below + law.at_speeds(np.nextafter(V[at], np.inf), derivative=True)) / 2
-    return slope
+        value[at] = (slope(np.nextafter(V[at], 0.0)) + slope(np.nextafter(V[at], np.inf))) / 2
+    return -value, _ROUNDING * np.abs(value), np.abs(value)
 
 
-def _settled(law: BoundLaw, V: FloatArray, A: FloatArray, *others: *_Others) -> _Three:
+def _settled(slope: Slope, V: FloatArray, A: FloatArray, *others: *_Others) -> _Three:
     """Return what is asked for once polynomials follow it, or panels of half the width say the same.
 
     Arguments are as for `_summed`.
     """
-    average, size, off, error = _summed(law, V, A, *others, 1)
+    average, size, off, error = _summed(slope, V, A, *others, 1)
     again, parts = np.flatnonzero(~(error <= SAME * np.abs(average))), 1
     while again.size and parts < _MOST_PARTS:
         parts *= 2
-        finer, size[again], off[again], _ = _summed(law, V[again], A[again], *others, parts)
+        finer, size[again], off[again], _ = _summed(slope, V[again], A[again], *others, parts)
         error[again] = np.abs(finer - average[again])
         average[again] = finer
         again = again[~(error[again] <= SAME * np.abs(finer))]
@@ -90,7 +110,7 @@ def _settled(law: BoundLaw, V: FloatArray, A: FloatArray, *others: *_Others) -> 
 
 
 def _summed(
-    law: BoundLaw, V: FloatArray, A: FloatArray, criterion: Criterion, table: FrictionTable, own: bool,
+    slope: Slope, V: FloatArray, A: FloatArray, criterion: Criterion, table: FrictionTable, own: bool,
     parting: tuple[float, ...], parts: int,
 ) -> _Four:  # fmt: skip
     """Return averages of -mu' and of abs(mu'), what the sum of slopes is off, and tails, each in s/m.
@@ -102,9 +122,9 @@ def _summed(
     A tail is what the highest two polynomials through the nodes of each panel hold, summed.
     """
     panels = _graded(criterion, parts, parting)
-    slope = law.at_speeds(V * ((1 - A) + 2 * A * panels.squares), derivative=True)
+    slopes = slope(V * ((1 - A) + 2 * A * panels.squares))
     # No product of matrices: threads would wait for each other longer than they work.
-    fall = slope * panels.weighted
+    fall = slopes * panels.weighted
     average, size = -fall.sum(axis=1), np.abs(fall).sum(axis=1)
     tails = np.abs(np.einsum("...j,kj->...k", fall.reshape(len(V), -1, _NODES), _HIGHEST)).sum(axis=(1, 2))
     if not own:
@@ -120,7 +140,7 @@ def _summed(
             average, size = average - height, size + np.abs(height)
             rises[:, at - (speeds[0, at] >= kink)] -= jump  # of the panel on whose side rounding put the end
     # Slopes at rounded speeds do not add up to the rise where mu is steep; the rise is what counts there.
-    lack = rises / (V * A) - (slope * panels.share).reshape(len(V), -1, _NODES).sum(axis=2)
+    lack = rises / (V * A) - (slopes * panels.share).reshape(len(V), -1, _NODES).sum(axis=2)
     # Far out it is a difference of numbers that are nearly the same, and the slopes are what is known.
     lack[np.abs(lack) * (V * A) <= _ROUNDED * np.maximum(sizes[:, 1:], sizes[:, :-1])] = 0.0
     average -= (lack * (heights[1:] + heights[:-1]) / 2).sum(axis=1)

@@ -23,12 +23,12 @@ from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.criteria.enclosure import enclose
 from stickslip_sym.formula.code import writer
 from stickslip_sym.formula.evaluation.term_function import TermFunction, count_of
+from stickslip_sym.formula.evaluation.term_sum import TermSum
 from stickslip_sym.formula.evaluation.values import MeanSlope
 from stickslip_sym.formula.exact import exact_value
 from stickslip_sym.model.expression.pieces import with_means
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
-from stickslip_sym.model.terms import Term
 from stickslip_sym.output import printing
 
 OnInvalid = Literal["raise", "nan"]
@@ -41,7 +41,7 @@ _ALLOWED = 8.0  # the same over the mean size of the slope, the unit of errors, 
 
 
 @dataclass(frozen=True, eq=False)
-class SlopeAverage:
+class SlopeAverage(TermSum):
     """The damping coefficient of a criterion, c = -N <mu'(V(1 + s))>_w, as a function over arrays.
 
     Attributes
@@ -52,24 +52,6 @@ class SlopeAverage:
     terms : tuple of Term
         Of the law: everything here is made from them.
     """
-
-    law: FrictionLaw
-    criterion: Criterion
-    terms: tuple[Term, ...]
-
-    @cached_property
-    def arguments(self) -> dict[str, Expr]:
-        """The symbols that a call takes by name: V, N, then the law's parameters."""
-        used = self.law.expr.free_symbols
-        parameters = {name: p.symbol for name, p in self.law.parameters.items() if p.symbol in used}
-        return {"V": symbols.V, "N": symbols.N, **parameters}
-
-    @cached_property
-    def functions(self) -> list[TermFunction]:
-        """The terms that vary with v, each by its branches: what is added up here, and written as code."""
-        arguments = list(self.arguments.values())
-        varying = [term for term in self.terms if term.profile.has(symbols.v)]
-        return [TermFunction(term, self.criterion, arguments) for term in _joined(varying)]
 
     def _exactly(self, point: Mapping[Expr, Expr], digits: int) -> Mpf:
         """Return the value at exact arguments, by an enclosure of the definition."""
@@ -303,24 +285,6 @@ class SlopeAverage:
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}: {self.law.name or self.law.text}, {self.criterion.name}"
-
-
-def _joined(terms: Sequence[Term]) -> list[Term]:
-    """Write terms of one scale whose slopes cancel at rest, as of (1 + v) exp(-v), as one: it keeps its digits."""
-    joined: list[Term] = []
-    groups: dict[tuple[Expr, Expr], list[Term]] = {}
-    for term in terms:
-        amplitude = term.amplitude.as_coeff_Mul()[1]
-        groups.setdefault((term.scale, term if term.shapes else amplitude), []).append(term)
-    for (scale, _), group in groups.items():
-        unit = group[0].amplitude.as_coeff_Mul()[1]
-        profiles = [term.amplitude / unit * term.profile for term in group]
-        slopes = [sp.diff(profile, symbols.v).subs(symbols.v, 0) for profile in profiles]
-        if len(group) > 1 and sp.Add(*slopes) == 0 and all(slope.is_finite for slope in slopes):
-            joined.append(Term(unit, scale, sp.Add(*profiles)))
-        else:
-            joined += group
-    return joined
 
 
 def _array(name: str, value: ArrayLike) -> FloatArray:

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import reduce
 from string import Template
-from typing import TYPE_CHECKING
 
 import sympy as sp
 from sympy.printing.printer import Printer
@@ -23,17 +22,15 @@ from stickslip_sym.formula.code.languages import LANGUAGES, Language
 from stickslip_sym.formula.evaluation.branches import Branch, Table
 from stickslip_sym.formula.evaluation.making import compared
 from stickslip_sym.formula.evaluation.term_function import TermFunction
+from stickslip_sym.formula.evaluation.term_sum import TermSum
 from stickslip_sym.formula.proof.proving import Verdict
 from stickslip_sym.model.expression.normal_form import normal_form
 from stickslip_sym.model.expression.pieces import without_endless
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.terms import terms_of
 
-if TYPE_CHECKING:
-    from stickslip_sym.formula.slope_average import SlopeAverage
 
-
-def code(criteria: Mapping[str, tuple["SlopeAverage", str]], language: str) -> str:
+def code(criteria: Mapping[str, tuple[TermSum, str]], language: str) -> str:
     """Return criteria by their names, each with words about it, as text of a language of the table.
 
     A language that is not there or lacks a function is refused, and so is a profile's shape without a value.
@@ -60,7 +57,7 @@ def shapes_of(law: FrictionLaw) -> set[Expr]:
     return {symbol for term in law.terms for meaning in term.shapes.values() for symbol in meaning.free_symbols}
 
 
-def _settled(average: "SlopeAverage") -> tuple[list[TermFunction], set[Expr]]:
+def _settled(average: TermSum) -> tuple[list[TermFunction], set[Expr]]:
     """Return the terms of a criterion, and the parameters that are numbers in them.
 
     Where the values of parameters meet, as of Max(mu_k, mu_s - a v) at mu_s = mu_k, a scale is 0 or has no value:
@@ -207,7 +204,7 @@ class _Writer:
         texts = [_number(value, self.language) for value in values]
         return self.language.next_line.join(", ".join(texts[i : i + 4]) for i in range(0, len(texts), 4))
 
-    def add(self, name: str, average: "SlopeAverage", about: str) -> None:
+    def add(self, name: str, average: TermSum, about: str) -> None:
         """Write a criterion: its terms, and the function that adds them up."""
         law, language = average.law, self.language
         require_shapes(law)
