@@ -58,7 +58,7 @@ def run(given: Given) -> None:
             continue
         with under_way("threshold"):
             threshold = ss.pure_slip_damping(at.law, **at.texts, method=method, rtol=rtol, time_limit=limit)
-        _ = threshold.uncertainty  # warns where the first order is not enough
+            _ = threshold.uncertainty  # warns where the first order is not enough
         text = f"c = {threshold}"
         found.append({"operating_point": at, "threshold": threshold})
         if script is not None:
@@ -77,4 +77,6 @@ def _draw(path: Path, at: Point, threshold: Threshold) -> None:
 
     numbers = {name: split(text, name) for name, text in at.texts.items()}
     point = {name: at.numbers[name] if error is None else error for name, (_, error) in numbers.items()}
-    save(figure_of(at.law, point, threshold), path)
+    with under_way("thresholds over the belt speed"):
+        figure = figure_of(at.law, point, threshold)
+    save(figure, path)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import click
@@ -9,9 +10,10 @@ import click
 import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.options import Given, option
-from stickslip_sym.cli.output import Json, echo_all, terminal
+from stickslip_sym.cli.output import Json, echo_all, under_way
 from stickslip_sym.cli.reading import criteria_of, point
 from stickslip_sym.core.errors import NoClosedForm
+from stickslip_sym.core.progress import steps
 
 if TYPE_CHECKING:
     from stickslip_sym.formula.closed_form import ClosedForm
@@ -46,7 +48,7 @@ def run(given: Given) -> None:
         law.require_speed(at.numbers["V"] * (1 if one.weight is None else 2))
     if not law.missing:
         warn_where_negative(law.kinetic, at.numbers["V"])
-    derivations = {one: derived(law, one, limit) for one in chosen}
+    derivations = dict(zip(chosen, derived([(law, criterion) for criterion in chosen], limit), strict=True))
     failures = [form for form in derivations.values() if isinstance(form, NoClosedForm)]
     forms = [form for form in derivations.values() if not isinstance(form, NoClosedForm)]
     if latex is not None and forms:
@@ -54,7 +56,8 @@ def run(given: Given) -> None:
     rows, texts = list[Json](), [str(at)]
     for one, form in derivations.items():
         found = None if isinstance(form, NoClosedForm) else form
-        checks = None if law.missing else crosscheck(law, one, at.texts, found)
+        with under_way("table of values"):
+            checks = None if law.missing else crosscheck(law, one, at.texts, found)
         rows.append({"criterion": one.name, "form": form, "checks": checks})
         lines = [f"no closed form: {law.name or 'the law'}, {one.name}"] if found is None else _lines(found)
         if steps and found is not None:
@@ -69,13 +72,18 @@ def run(given: Given) -> None:
         raise failure
 
 
-def derived(law: ss.FrictionLaw, criterion: ss.Criterion, seconds: float = SECONDS) -> ClosedForm | NoClosedForm:
-    """Return the closed form of a criterion, or why there is none."""
-    with terminal().status(f"deriving {criterion.name}, {seconds:.0f} s at most"):
-        try:
-            return ss.derive(law, criterion, time_limit=seconds)
-        except NoClosedForm as error:
-            return error
+def derived(
+    wanted: Sequence[tuple[ss.FrictionLaw, ss.Criterion]], seconds: float = SECONDS
+) -> list[ClosedForm | NoClosedForm]:
+    """Return the closed form of each law and criterion, or why there is none."""
+    forms: list[ClosedForm | NoClosedForm] = []
+    with under_way(f"closed forms, {seconds:.0f} s each at most"):
+        for law, criterion in steps(wanted, lambda pair: f"{pair[1].name} of {pair[0].name or 'the law'}"):
+            try:
+                forms.append(ss.derive(law, criterion, time_limit=seconds))
+            except NoClosedForm as error:
+                forms.append(error)
+    return forms
 
 
 def _lines(form: ClosedForm) -> list[str]:

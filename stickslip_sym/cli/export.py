@@ -55,7 +55,8 @@ def run(given: Given) -> None:
         style = {"fragment": given["fragment"], "steps": given["steps"], "symbols": given["symbol"]}
     given.all_used()
     unbound = _unbound(laws, every) if code else []
-    found = [(law, criterion, derived(law, criterion, limit)) for law in laws for criterion in chosen]
+    wanted = [(law, criterion) for law in laws for criterion in chosen]
+    found = [(*pair, form) for pair, form in zip(wanted, derived(wanted, limit), strict=True)]
     forms = [form for *_, form in found if not isinstance(form, NoClosedForm)]
     missing = [(law, one.name, str(form)) for law, one, form in found if isinstance(form, NoClosedForm)]
     if missing and len(code) < len(targets) and (not forms or (len(chosen) == 1 and not every)):

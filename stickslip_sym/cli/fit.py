@@ -11,7 +11,7 @@ import click
 import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.options import LAW_NAMES, Given, option, pairs
-from stickslip_sym.cli.output import counted, echo_all
+from stickslip_sym.cli.output import echo_all, under_way
 from stickslip_sym.cli.reading import law_described, reading_of
 from stickslip_sym.core.errors import InputError
 
@@ -51,11 +51,12 @@ def fitted(file: Path, laws: Sequence[ss.FrictionLaw], given: Given) -> Fits:
     """Return the fits of laws to a file of measurements; all other options were read before."""
     reading = reading_of(given)
     given.all_used()
-    measured = ss.read_measurements(file, **reading)
+    with under_way(f"reading {file.name}"):
+        measured = ss.read_measurements(file, **reading)
     if given.command != "fit":  # whose answer begins with it
         click.echo(f"{measured.preview()}\n", err=True)
-    with counted("laws") as progress:
-        return ss.fit(measured, laws=laws, progress=progress)
+    with under_way("fits"):
+        return ss.fit(measured, laws=laws)
 
 
 def laws_to_fit(texts: Sequence[str], given: Given) -> list[ss.FrictionLaw]:

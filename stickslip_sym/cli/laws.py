@@ -32,7 +32,8 @@ def run(given: Given) -> None:
     name, plot = given["law"], None if given["law"] is None else given["plot"]
     given.all_used()
     laws = list(ss.laws.values()) if name is None else [ss.laws.find(name)]
-    forms = {} if name is None else {one.name: derived(laws[0], one) for one in criteria_of("all")}
+    wanted = [] if name is None else [(laws[0], criterion) for criterion in criteria_of("all")]
+    forms = {criterion.name: form for (_, criterion), form in zip(wanted, derived(wanted), strict=True)}
     if plot is not None:
         _draw(plot, laws[0])
     if given["json"]:

@@ -10,7 +10,7 @@ import click
 import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.options import Given, option, read_number
-from stickslip_sym.cli.output import counted, echo_found
+from stickslip_sym.cli.output import echo_found, under_way
 from stickslip_sym.cli.reading import point
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.units import in_si, with_unit_of
@@ -80,8 +80,8 @@ def run(given: Given) -> None:
     csv, npz, plot = given["csv"], given["npz"], given["plot"]
     given.all_used()
     _warn_at_corners(at.law, (x, y), at.numbers)
-    with counted("lines of cells") as progress:
-        found = ss.motion_map(at.law, x=x, y=y, **how, progress=progress)
+    with under_way("map"):
+        found = ss.motion_map(at.law, x=x, y=y, **how)
     echo_found(given, at, report(found), x=found.x, y=found.y, map=found)
     if csv is not None:
         found.to_csv(csv)

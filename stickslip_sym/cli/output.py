@@ -10,17 +10,16 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from stickslip_sym.core.progress import Step, listened_by
 from stickslip_sym.core.version import __version__
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from stickslip_sym.cli.options import Given
     from stickslip_sym.cli.reading import Point
 
@@ -28,39 +27,36 @@ Json = dict[str, Any]
 """What stands for an object of JSON."""
 
 _FORMAT = 3
+_LONGEST = 60  # characters of what is under way
 
 
-def terminal() -> Console:
-    """Return where progress is shown: on stderr if that is a terminal, and nowhere else."""
+@contextmanager
+def under_way(what: str) -> Iterator[None]:
+    """Show on a terminal, and nowhere else, what is computed, how far that is, and since when."""
+    if not sys.stderr.isatty():
+        yield
+        return
     from rich.console import Console
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
     # Rich takes FORCE_COLOR for a terminal, and would draw into a file.
-    return Console(stderr=True, force_terminal=sys.stderr.isatty())
-
-
-@contextmanager
-def counted(what: str) -> Iterator[Callable[[int, int], None]]:
-    """Show on a terminal how many of something are done."""
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
-
-    columns = what, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-    with Progress(*columns, console=terminal(), transient=True, disable=not sys.stderr.isatty()) as shown:
-        task = shown.add_task("", total=None)
-        yield lambda done, total: shown.update(task, completed=done, total=total)
-
-
-@contextmanager
-def under_way(what: str) -> Iterator[Callable[[str], None]]:
-    """Show on a terminal what is computed, and since when; what is yielded takes another text."""
-    if not sys.stderr.isatty():
-        yield lambda text: None
-        return
-    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
-
-    columns = SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn()
-    with Progress(*columns, console=terminal(), transient=True) as shown:
+    console = Console(stderr=True, force_terminal=True)
+    columns = SpinnerColumn(), TextColumn("{task.description}", markup=False), BarColumn(20), TimeElapsedColumn()
+    with Progress(*columns, console=console, transient=True) as shown:
         task = shown.add_task(what, total=None)
-        yield lambda text: shown.update(task, description=text)
+
+        def show(path: tuple[Step, ...]) -> None:
+            outermost = next((step for step in path if step.total > 1), Step("", 0, 0))
+            description = ": ".join([what, *map(_in_words, path)])
+            shown.update(task, description=description, completed=outermost.done, total=outermost.total or None)
+
+        with listened_by(show):
+            yield
+
+
+def _in_words(step: Step) -> str:
+    words = step.what if len(step.what) <= _LONGEST else f"{step.what[:_LONGEST]}..."
+    return f"{words} ({step.done} of {step.total})" if step.total > 1 else words
 
 
 def echo_json(command: str, **found: object) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.options import Given, option, read_number
-from stickslip_sym.cli.output import echo_found
+from stickslip_sym.cli.output import echo_found, under_way
 from stickslip_sym.cli.reading import point
 from stickslip_sym.output.tables import table
 
@@ -47,11 +47,12 @@ def run(given: Given) -> None:
     osc = ss.Oscillator(**at.numbers)
     warn_where_negative(at.law.kinetic, osc.V)
     t_end = _PERIODS * 2 * math.pi / osc.omega if t_end is None else t_end
-    motion = ss.simulate(at.law, osc, t_end=t_end, **initial, **how)
+    with under_way(f"motion up to {t_end:.4g} s"):
+        motion = ss.simulate(at.law, osc, t_end=t_end, **initial, **how)
     end = None
     if motion.motion not in (ss.Motion.REST, ss.Motion.STICK_SLIP, ss.Motion.PURE_SLIP, ss.Motion.UNBOUNDED):
         try:
-            with limited(min(_LONGEST, how["time_limit"] or _LONGEST)):
+            with under_way("what it comes to"), limited(min(_LONGEST, how["time_limit"] or _LONGEST)):
                 end = ss.classify(at.law, osc, **initial).value
         except ss.StickSlipError as error:
             end = f"not found: {error}"

@@ -75,10 +75,10 @@ def run(given: Given) -> None:
         osc, written = ss.Oscillator(**one.numbers), list[str]()
         contents.append({"operating_point": one, "page": page, "pdf": paper})
         if page is not None:
-            with under_way("study") as progress:
+            with under_way("study"):
                 found = ss.study(
                     fits or one.law, osc, errors=one.texts, measured=measured, name=name,
-                    defaults=(*one.typical, *one.defaults), time_limit=limit, progress=progress,
+                    defaults=(*one.typical, *one.defaults), time_limit=limit,
                 )  # fmt: skip
             found.save(page)
             written += found.findings

@@ -16,15 +16,16 @@ import numpy as np
 from stickslip_sym.core.deadline import check_time, require_seconds
 from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.core.numbers import lookup, read_rtol
+from stickslip_sym.core.progress import stages, steps
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.thresholds.methods import find_method
+from stickslip_sym.motion.thresholds.methods import Reference, find_method
 from stickslip_sym.motion.thresholds.methods import methods as every_method
-from stickslip_sym.motion.thresholds.operating_points import of_oscillator
-from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
+from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, of_oscillator
+from stickslip_sym.motion.thresholds.threshold import Threshold, threshold_at
 from stickslip_sym.output import markup
 from stickslip_sym.output.tables import duration, table
 
@@ -104,7 +105,8 @@ def measured(
     """
     times, begin = list[float](), process_time()
     try:
-        with np.errstate(all="ignore"):
+        with np.errstate(all="ignore"), stages() as say:
+            say(", ".join(filter(None, (method, setting))), 0, 0)
             while len(times) < least or sum(times) < enough:
                 check_time()
                 begin = process_time()
@@ -233,10 +235,17 @@ def compare(
         methods = [name for name, method in every_method().items() if "m" in point or not method.oscillator]
     elif isinstance(methods, str) or not isinstance(methods, Sequence):
         methods = [methods]
-    for name in methods:
-        find_method(name)
+    chosen = [find_method(name) for name in methods]
     read_rtol(rtol, least=0.0, most=1.0)
     require_seconds(time_limit)  # below, an error is a method's answer
-    how: dict[str, Any] = {"rtol": rtol, "time_limit": time_limit, **point}
-    rows = (measured(name, partial(pure_slip_damping, law, method=name, **how), of_threshold) for name in methods)
+    shared = Reference()
+
+    def threshold(method: str) -> Threshold:
+        return threshold_at(OperatingPoints.of(law, **point), method, rtol, time_limit, shared)
+
+    # What converges comes first: the errors of averages are taken from it.
+    order = sorted(range(len(methods)), key=lambda i: not getattr(chosen[i], "converges", True))
+    rows = [Row("")] * len(methods)
+    for i in steps(order, lambda _: "methods"):
+        rows[i] = measured(methods[i], partial(threshold, methods[i]), of_threshold)
     return Comparison(law.name or "a law", tuple(rows), point)

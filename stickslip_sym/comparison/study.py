@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal
 
 import numpy as np
 import sympy as sp
@@ -22,6 +22,7 @@ from stickslip_sym.core.deadline import require_seconds
 from stickslip_sym.core.deadline import time_limit as limited
 from stickslip_sym.core.errors import InputWarning, StickSlipError
 from stickslip_sym.core.numbers import require_type
+from stickslip_sym.core.progress import Step, heard_by, steps
 from stickslip_sym.core.symbols import QUANTITIES
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.core.uncertain import with_error as text_with_error
@@ -32,7 +33,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.margins.margins import Margin, Margins, carried_by, margins
+from stickslip_sym.motion.margins.margins import Margin, Margins, carried_by, margins, margins_of
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS
 from stickslip_sym.motion.regimes.regime import Regime, regime
 from stickslip_sym.motion.simulation.simulate import simulate
@@ -70,7 +71,6 @@ Look = dict[str, Any]
 _SIZE = 4.6, 3.1  # inches: two beside each other on a screen and on paper
 _MANY = 2000  # points of the motion over time
 _GROWN = 10.0  # belt speeds up to which a motion is shown in the phase plane
-Part = TypeVar("Part")
 
 
 @dataclass(frozen=True, repr=False)
@@ -437,58 +437,15 @@ def study(
     friction = fit.law.bind(**fit.uncertain) if fit is not None else as_law(law)
     friction.require_values()
     carried = carried_by(osc, errors or {})
-    refused: dict[str, str] = {}
     limit = require_seconds(time_limit)
     seconds = _EACH if limit is None else limit
-    each = seconds / _SHARE
-
-    begun = progress or (lambda what: None)
-
-    def part(what: str, compute: Callable[[], Part]) -> Part | None:
-        begun(what)
-        try:
-            with limited(seconds):
-                return compute()
-        except StickSlipError as error:
-            refused[what] = str(error)
-            return None
-
-    def estimate(law: FrictionLaw) -> SimpleNamespace:
-        found = pure_slip_damping(law, **point, rtol=_ROUGH, time_limit=each)
-        return SimpleNamespace(value=found.value, uncertainty=found.budget and found.budget.uncertainty)
-
-    point = {key: carried.get(key, getattr(osc, key)) for key in "VNmk"}
-    rest = {key: point[key] for key in "Nmk"}
-    samples = _SAMPLES if friction.bound.obstacle(2 * osc.V) is None else 0
-    periods = _PERIODS * 2 * math.pi / osc.omega
+    subject = _Subject(friction, osc, carried, law if isinstance(law, Fits) else None, seconds)
     own = [] if fit is None else [text for text in (fit.extrapolation(osc.V), *fit.warnings) if text]
-    with warnings.catch_warnings(record=True) as caught:
+    with warnings.catch_warnings(record=True) as caught, heard_by(progress and _named_to(progress)):
         warnings.simplefilter("always")
-        begun("thresholds by every method")
-        answers = compare(friction, rtol=_RTOL, time_limit=each, **point).rows
-        exact = [row.threshold for row in answers if row.method in ("simulation", "orbit")]
-        threshold = min(filter(None, exact), key=lambda found: found.relative_error, default=None)
-        parts: dict[str, Any] = {
-            "forms": {key: _form(friction, key, seconds) for key in catalogue},
-            "regime": part("motions", lambda: regime(friction, osc)),
-            "motion": part("motion in time", lambda: simulate(friction, osc, t_end=periods, x0=0.0, v0=osc.V)),
-            "plane": part("plane of c over V", lambda: plane(friction, rest, osc.V)),
-            "margins": part(
-                "margins",
-                lambda: margins(
-                    friction, osc, errors=carried, rtol=_LOOSE, samples=samples, reach=_REACH, each=each
-                ),
-            ),
-        }
-        parts |= {"sensitivity": None, "nonlinearity": None}
-        if threshold is not None:
-            parts["sensitivity"] = part(_DERIVATIVES, lambda: threshold.sensitivity)
-            parts["nonlinearity"] = part("second order of its standard error", lambda: threshold.nonlinearity)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", InputWarning)  # of laws that are not studied
-        choice = part("choice of law", lambda: law.average(estimate)) if isinstance(law, Fits) else None
+        parts, refused = _computed(subject)
     said: dict[str, type[Warning]] = dict.fromkeys(own, InputWarning)
-    said |= {str(one.message): one.category for one in caught}
+    said |= {str(warning.message): warning.category for warning in caught}
     for text, category in said.items():
         warnings.warn(text, category, stacklevel=2)
     return Study(
@@ -498,9 +455,7 @@ def study(
         errors=carried,
         fit=fit,
         measured=measured if fit is None else fit.measured,
-        answers=answers,
-        threshold=threshold,
-        choice=choice if choice is not None and len(choice.rows) > 1 else None,
+        threshold=subject.threshold,
         refused=refused,
         warnings=tuple(text for text, category in said.items() if issubclass(category, InputWarning)),
         defaults=tuple(defaults),
@@ -508,6 +463,64 @@ def study(
         seconds=time.perf_counter() - begin,
         **parts,
     )
+
+
+def _named_to(progress: Callable[[str], None]) -> Callable[[Step], None]:
+    """Return what hears of parts, and passes on the name of each that begins."""
+    return lambda step: progress(step.what) if step.done < step.total else None
+
+
+# -- the parts: each has a name, a time limit, and the one threshold -----------------------------------
+
+
+@dataclass
+class _Subject:
+    """What a study is of, and the threshold that its parts share, once it is there."""
+
+    law: FrictionLaw
+    oscillator: Oscillator
+    carried: Mapping[str, UFloat]
+    fits: Fits | None
+    seconds: float  # that each part may take
+    threshold: Threshold | None = None
+
+    @property
+    def point(self) -> dict[str, Any]:
+        """V, N, m and k with their standard errors."""
+        return {name: self.carried.get(name, getattr(self.oscillator, name)) for name in "VNmk"}
+
+    @property
+    def each(self) -> float:
+        """The seconds that one quantity, method or law of a part may take."""
+        return self.seconds / _SHARE
+
+
+def _computed(subject: _Subject) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return every part by its attribute, None for one that was refused, and the reasons by their names."""
+    parts, refused = dict[str, Any](), dict[str, str]()
+    for attribute in steps(_PARTS, lambda attribute: _PARTS[attribute][0]):
+        what, compute = _PARTS[attribute]
+        if attribute in _LIMITED_WITHIN:
+            parts[attribute] = compute(subject)
+            continue
+        try:
+            with limited(subject.seconds):
+                parts[attribute] = compute(subject)
+        except StickSlipError as error:
+            parts[attribute], refused[what] = None, str(error)
+    return parts, refused
+
+
+def _answers(subject: _Subject) -> tuple[Row, ...]:
+    """Return thresholds by every method, and keep the most accurate of those that are not proved for the rest."""
+    rows = compare(subject.law, rtol=_RTOL, time_limit=subject.each, **subject.point).rows
+    thresholds = [row.threshold for row in rows if row.method in ("simulation", "orbit")]
+    subject.threshold = min(filter(None, thresholds), key=lambda found: found.relative_error, default=None)
+    return rows
+
+
+def _forms(subject: _Subject) -> dict[str, ClosedForm | str]:
+    return {name: _form(subject.law, name, subject.seconds) for name in catalogue}
 
 
 def _form(law: FrictionLaw, criterion: str, seconds: float) -> ClosedForm | str:
@@ -518,6 +531,74 @@ def _form(law: FrictionLaw, criterion: str, seconds: float) -> ClosedForm | str:
         return derive(law, criterion, time_limit=max(seconds, 1e-3), search=False)
     except StickSlipError as error:
         return str(error)
+
+
+def _motions(subject: _Subject) -> Regime:
+    return regime(subject.law, subject.oscillator)
+
+
+def _motion(subject: _Subject) -> Trajectory:
+    """Return the motion from x = 0 with the belt's speed."""
+    osc = subject.oscillator
+    return simulate(subject.law, osc, t_end=_PERIODS * 2 * math.pi / osc.omega, x0=0.0, v0=osc.V)
+
+
+def _thresholds_over_speed(subject: _Subject) -> Plane:
+    rest = {name: subject.point[name] for name in "Nmk"}
+    return plane(subject.law, rest, subject.oscillator.V)
+
+
+def _margins(subject: _Subject) -> Margins:
+    law, osc, carried = subject.law, subject.oscillator, subject.carried
+    how: dict[str, Any] = {
+        "samples": _SAMPLES if law.bound.obstacle(2 * osc.V) is None else 0, "rtol": _LOOSE, "reach": _REACH,
+        "each": subject.each,
+    }  # fmt: skip
+    if subject.threshold is None:
+        return margins(law, osc, errors=carried, **how)
+    return margins_of(subject.threshold, osc, carried.get("c"), **how)
+
+
+def _sensitivity(subject: _Subject) -> Mapping[str, float] | None:
+    return None if subject.threshold is None else subject.threshold.sensitivity
+
+
+def _nonlinearity(subject: _Subject) -> float | None:
+    return None if subject.threshold is None else subject.threshold.nonlinearity
+
+
+def _choice(subject: _Subject) -> Averaged | None:
+    """Return the threshold averaged over the laws that fit, if more than one does."""
+
+    def estimate(law: FrictionLaw) -> SimpleNamespace:
+        shared = subject.threshold if law == subject.law else None
+        threshold = shared or pure_slip_damping(law, **subject.point, rtol=_ROUGH, time_limit=subject.each)
+        return SimpleNamespace(
+            value=threshold.value, uncertainty=threshold.budget and threshold.budget.uncertainty
+        )
+
+    if subject.fits is None:
+        return None
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", InputWarning)  # of laws that are not studied
+        averaged = subject.fits.average(estimate)
+    return averaged if len(averaged.rows) > 1 else None
+
+
+_PARTS: dict[str, tuple[str, Callable[[_Subject], Any]]] = {
+    "answers": ("thresholds by every method", _answers),
+    "forms": ("closed forms", _forms),
+    "regime": ("motions", _motions),
+    "motion": ("motion in time", _motion),
+    "plane": ("plane of c over V", _thresholds_over_speed),
+    "margins": ("margins", _margins),
+    "sensitivity": (_DERIVATIVES, _sensitivity),
+    "nonlinearity": ("second order of its standard error", _nonlinearity),
+    "choice": ("choice of law", _choice),
+}
+"""Attributes of a study, what they are called, and how they are computed; the first gives the threshold of all."""
+_LIMITED_WITHIN = ("answers", "forms")
+"""Parts that say of each method or criterion why it has none, and are never refused as a whole."""
 
 
 # -- pictures: they hold no text of the user's; the name of the law stands on the page ----------------

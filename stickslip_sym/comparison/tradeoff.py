@@ -24,6 +24,7 @@ from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import Number, exact, lookup
+from stickslip_sym.core.progress import steps
 from stickslip_sym.core.remedies import Call, Values
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion, find
@@ -248,7 +249,7 @@ def tradeoff(
     }
     kept, errors = dict[str, Trade](), dict[str, StickSlipError]()
     with deadline.time_limit(time_limit):
-        for kind in kinds:
+        for kind in steps(kinds, str):
             try:
                 kept[kind] = trades[kind]()
             except StickSlipError as error:

@@ -21,7 +21,6 @@ from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.derivation import Step
 from stickslip_sym.formula.finding.rules import Part, integrate_terms
-from stickslip_sym.formula.finding.search import Progress
 from stickslip_sym.formula.proof.gate import verify
 from stickslip_sym.formula.proof.normal_form import normal_form
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal
@@ -51,32 +50,32 @@ class Average:
 
     # -- the closed form -----------------------------------------------------------------------------
 
-    def find(self, seconds: float = 0.0, progress: Progress | None = None) -> Expr:
+    def find(self, seconds: float = 0.0) -> Expr:
         """Return F as a formula in V and the shapes; SymPy's integrator has so many seconds where no rule applies.
 
         What failed once is not tried again, unless SymPy's integrator is given more time.
         """
         if self._parts is None and seconds > self._searched:
             try:
-                self._parts = self._integrated(seconds, progress or (lambda _: None))
+                self._parts = self._integrated(seconds)
             except NoClosedForm as failure:
                 self._obstacle, self._searched = failure, seconds
         if self._parts is None:
             raise NoClosedForm(*self._obstacle.args)
         return self._formula(self._parts)
 
-    def _integrated(self, seconds: float, progress: Progress) -> tuple[Part, ...]:
+    def _integrated(self, seconds: float) -> tuple[Part, ...]:
         self.require_integrable()
         if self.criterion.weight is None or not self.profile.has(symbols.v):
             return ()
         if self.rates:
             continued = Continued(self)
-            continued.source.find(seconds, progress)
+            continued.source.find(seconds)
             rule = ", ".join(part.rule for part in continued.source._parts or ())
             return (Part(definition(self.profile, self.criterion), continued.value, rule, continued),)
         # Under the conditions, which SymPy then sees in every exponent.
         profile = self.profile.xreplace({shape: bound + sign * slack for shape, bound, slack, sign in self._slack})
-        return tuple(integrate_terms(profile, self.criterion, seconds, progress))
+        return tuple(integrate_terms(profile, self.criterion, seconds))
 
     def _formula(self, parts: tuple[Part, ...]) -> Expr:
         if not parts:

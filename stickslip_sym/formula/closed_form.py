@@ -1,8 +1,9 @@
 """`ClosedForm`: a criterion of a law as a sum of averages; `derive`, which finds and proves it."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import count
 from typing import SupportsIndex
 
 import sympy as sp
@@ -12,6 +13,7 @@ from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.deadline import time_limit as limit
 from stickslip_sym.core.errors import InputError, NoClosedForm, NotConverged, OutOfTime
 from stickslip_sym.core.numbers import Number, exact, require_type, suggestion
+from stickslip_sym.core.progress import Step, listened_by, stages
 from stickslip_sym.core.remedies import Argument, Call
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.symbols import N, V, c, mu, v
@@ -20,7 +22,6 @@ from stickslip_sym.formula.average import Average, average_of
 from stickslip_sym.formula.certificate import certificate
 from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.exact import exact_value
-from stickslip_sym.formula.finding.search import Progress
 from stickslip_sym.formula.limits import Limits, limits_of
 from stickslip_sym.formula.proof.gate import GATE_POINTS
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal
@@ -292,7 +293,7 @@ def derive(
     *,
     time_limit: float = 120.0,
     search: bool = True,
-    progress: Progress | None = None,
+    progress: Callable[[str], object] | None = None,
 ) -> ClosedForm:
     """Derive the closed form of a criterion for a law, prove it, and check it against its definition.
 
@@ -334,16 +335,15 @@ def derive(
     criterion = find(criterion)
     stage = "reading the law"
 
-    def at(words: str) -> None:
+    def hear(path: tuple[Step, ...]) -> None:
         nonlocal stage
-        check_time()
-        stage = words
+        stage = path[-1].what
         if progress is not None:
-            progress(words)
+            progress(stage)
 
     try:
-        with limit(time_limit):
-            return _derived(law, criterion, search, at)
+        with limit(time_limit), listened_by(hear):
+            return _derived(law, criterion, search)
     except OutOfTime:
         raise NoClosedForm(
             f"the time limit of {time_limit:g} s was reached while {stage}; give it more time with ",
@@ -375,26 +375,39 @@ def _differentiated(term: Term, criterion: Criterion, parameter: Expr) -> list[T
     return terms
 
 
-def _derived(law: FrictionLaw, criterion: Criterion, search: bool, at: Progress) -> ClosedForm:
+def _derived(law: FrictionLaw, criterion: Criterion, search: bool) -> ClosedForm:
+    check_time()
     form = ClosedForm(law, criterion, law.terms)
+    number, total = count(), 3 * len(form.averages) + 1
+    with stages() as say:
+
+        def begin(what: str) -> None:
+            check_time()
+            say(what, next(number), total)
+
+        return _in_stages(form, search, begin)
+
+
+def _in_stages(form: ClosedForm, search: bool, begin: Callable[[str], None]) -> ClosedForm:
+    """Find, check and prove the averages of a form; each stage is said before it begins."""
     for term, average in form.averages:
         name = printing.text(term.expr)
-        at(f"averaging {name}")
+        begin(f"averaging {name}")
         average.require_integrable()  # no other way gives what has no value
         try:
-            average.find(_SEARCHING if search else 0.0, at)
+            average.find(_SEARCHING if search else 0.0)
         except NoClosedForm as failure:
             raise NoClosedForm(
                 f"the term {name} has no closed form that is known here: {failure}", *_REMEDY
             ) from None
     for term, average in form.averages:
         name = printing.text(term.profile)
-        at(f"comparing the average of {name} with its definition at {GATE_POINTS} points")
+        begin(f"comparing the average of {name} with its definition at {GATE_POINTS} points")
         _require(average.gate)
-        at(f"proving the average of {name}")
+        begin(f"proving the average of {name}")
         for step in average.steps:
             _require(step.verdict)
-    at("adding up the averages")
+    begin("adding up the averages")
     _require(form.verdict)
     return form
 

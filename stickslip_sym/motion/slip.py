@@ -319,7 +319,7 @@ class Dimensionless:
 
         length = batch if fast else max(len(rows), 1)  # plain Python looks at the time limit itself
         batches = [slice(low, low + length) for low in range(0, len(rows), length)]
-        if None in collect(carry_out, batches, workers=workers):
+        if None in collect(carry_out, batches, workers=workers, what="slips"):
             raise KeyboardInterrupt
 
     def unmeasured(self, w: float) -> InputError:

@@ -15,13 +15,13 @@ from typing import TypeVar
 
 from stickslip_sym.core.deadline import LONGEST, time_left, time_limit
 from stickslip_sym.core.errors import InputError, NotConverged
+from stickslip_sym.core.progress import stages
 from stickslip_sym.core.remedies import Argument, Name
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
 Workers = int | Executor
 """A number of threads, -1 for all processors, or what carries out the tasks."""
-Progress = Callable[[int, int], None]
 
 
 def collect(
@@ -29,35 +29,33 @@ def collect(
     tasks: Sequence[Task],
     *,
     workers: Workers = 1,
-    progress: Progress | None = None,
+    what: str,
 ) -> list[Result | None]:
     """Return the result of each task; None for a task that Ctrl-C kept from its end.
 
     - `function`, `tasks`: at the top level of a module, and plain content, so that other processes find them.
     - `workers`: a number of threads, -1 for all processors, or an executor,
       such as a dask client's ``get_executor()``.
-    - `progress`: called with the number of finished tasks and of all.
+    - `what`: the tasks, in words, for who listens to how many are done.
 
     Raises `InputError` for unusable workers.
     Raises `NotConverged` if the executor ends before its work is done.
     Raises `KeyboardInterrupt` if Ctrl-C comes before the first result.
     """
-    if not (progress is None or callable(progress)):
-        raise InputError(f"progress is a function of two numbers, got {progress!r:.60}")
     results: list[Result | None] = [None] * len(tasks)
-    report = progress or (lambda done, total: None)
     left = time_left()
     limited = function if math.isinf(left) else partial(_until, time.time() + left, function)
-    report(0, len(tasks))
     done = 0
-    try:
-        for index, result in _results(limited, tasks, workers):
-            results[index] = result
-            done += 1
-            report(done, len(tasks))
-    except KeyboardInterrupt:
-        if done == 0:
-            raise
+    with stages() as say:
+        say(what, done, len(tasks))
+        try:
+            for index, result in _results(limited, tasks, workers):
+                results[index] = result
+                done += 1
+                say(what, done, len(tasks))
+        except KeyboardInterrupt:
+            if done == 0:
+                raise
     return results
 
 

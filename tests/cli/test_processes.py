@@ -6,10 +6,12 @@ from pathlib import Path
 import pytest
 from click.shell_completion import get_completion_class
 from commands import shell
+from rich.progress import Progress
 from systems import needs_posix_shell
 
 from stickslip_sym.cli.output import under_way
 from stickslip_sym.cli.program import program
+from stickslip_sym.core.progress import steps
 
 
 @pytest.mark.parametrize("name", ["derive", "study"])
@@ -90,7 +92,36 @@ def test_what_is_under_way_is_shown_in_a_terminal_only(terminal, monkeypatch):
     stream.is_one = terminal
     monkeypatch.setattr("sys.stderr", stream)
     monkeypatch.setenv("TERM", "xterm")
-    with under_way("begins") as progress:
-        progress("the plane [of] c")
-    assert ("the plane [of] c" in stream.getvalue()) == terminal
+    with under_way("study"):
+        for _ in steps(range(3), lambda i: f"the plane [of] {i}"):
+            pass
+    assert ("study: the plane [of] 2 (3 of 3)" in stream.getvalue()) == terminal
     assert terminal or stream.getvalue() == ""
+
+
+SAID = [
+    ("derive linear --criterion harmonic -V 0.5", ["harmonic of linear: averaging -a_1*v", "of v (2 of 4)"]),
+    ("damping linear --all", ["every method: methods (1 of 7): orbit", "methods (6 of 7): second_order"]),
+    ("critical linear --of all -c 1", ["all quantities: margins of m (0 of 7)", "margins of a_1 (6 of 7)"]),
+    ("map coulomb --x V=0.1:0.4:2 --y c=1:2:2", ["map: lines of cells (1 of 2)"]),
+    ("fit disc.csv --law linear --law gaussian", ["fits: linear (0 of 2)", "fits: gaussian (1 of 2)"]),
+]
+
+
+@pytest.mark.parametrize(("line", "texts"), SAID, ids=[line for line, _ in SAID])
+def test_commands_say_how_far_they_are(line, texts, run, tmp_path, monkeypatch):
+    (tmp_path / "disc.csv").write_text("v [m/s],mu\n" + "".join(f"{i / 10},{0.5 - i / 50}\n" for i in range(9)))
+    shown, show = [], Progress.update
+
+    def update(bar, task, **state):
+        shown.append(state["description"])
+        show(bar, task, **state)
+
+    monkeypatch.setattr(Progress, "update", update)
+    monkeypatch.setattr("stickslip_sym.motion.maps.motions._CELLS", 2)
+    stream = Terminal()
+    monkeypatch.setattr("sys.stderr", stream)
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.chdir(tmp_path)
+    program.main(line.split(), standalone_mode=False)
+    assert all(any(text in description for description in shown) for text in texts), shown

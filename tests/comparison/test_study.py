@@ -1,6 +1,7 @@
 """The study of an operating point: what stands on its page is what the functions return."""
 
 import re
+from collections import Counter
 from dataclasses import replace
 from functools import cache
 
@@ -11,6 +12,9 @@ from pages import XHTML, check_well_formed, look_at
 import stickslip_sym as ss
 from stickslip_sym.comparison import study as studies
 from stickslip_sym.model.measured.measurements import Measurements
+from stickslip_sym.motion.margins import critical
+from stickslip_sym.motion.thresholds import methods
+from stickslip_sym.motion.thresholds.methods import ask
 from stickslip_sym.motion.thresholds.threshold import Threshold
 
 OSC = ss.Oscillator(m=1, k=100, c=2, V=0.5, N=9.81)
@@ -309,3 +313,22 @@ def test_second_order_without_time_is_named(monkeypatch):
     assert study.needed[1] == studied(0).needed[1]
     text = "".join(check_well_formed(drawn_without(study, monkeypatch)).itertext())
     assert "To second order it could not be computed." in text
+
+
+def test_no_threshold_is_computed_twice(monkeypatch):
+    asked = Counter()
+
+    def counted(points, method, rtol, **more):
+        if method is not None:
+            values = tuple(sorted(points.law.values.items()))
+            for row in zip(*(column.tolist() for column in points.columns.values()), strict=True):
+                asked[method.name, values, *row] += 1
+        return ask(points, method, rtol, **more)
+
+    for module in (methods, critical):
+        monkeypatch.setattr(module, "ask", counted)
+    ss.study(ss.laws.linear.typical(), OSC)
+    assert sum(asked.values()) > 10
+    assert set(asked.values()) == {1}
+    ss.compare(ss.laws.linear.typical(), OSC)  # a control
+    assert 2 in asked.values()

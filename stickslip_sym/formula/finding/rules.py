@@ -17,7 +17,7 @@ from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.finding import search
 from stickslip_sym.formula.finding.antiderivatives import antiderivative
 from stickslip_sym.formula.finding.averages import average_of_pieces, harmonic_average
-from stickslip_sym.formula.finding.search import NothingFound, Progress
+from stickslip_sym.formula.finding.search import NothingFound
 from stickslip_sym.formula.proof.recurrence import AverageSeries, definition
 from stickslip_sym.formula.proof.theorems import By, PieceByPiece, ends_of_pieces, value_at
 from stickslip_sym.model.expression.pieces import pieces_of
@@ -34,14 +34,14 @@ class Part:
     by: By | None
 
 
-def integrate_terms(mu: Expr, criterion: Criterion, seconds: float, progress: Progress) -> list[Part]:
+def integrate_terms(mu: Expr, criterion: Criterion, seconds: float) -> list[Part]:
     """Integrate a profile mu(v) term by term; `seconds` are for SymPy's integrator, each time that it is asked."""
     parts = []
     for rest, constant in grouped(mu, symbols.v).items():
         pieces, places = pieces_of(rest)
         ends = ends_of_pieces(places, 2 * symbols.V)
         try:
-            rule, value, primitives = _averaged(pieces, ends, criterion, seconds, progress)
+            rule, value, primitives = _averaged(pieces, ends, criterion, seconds)
         except NothingFound as nothing:
             raise NoClosedForm(f"no rule for the {criterion.name} criterion covers it, and {nothing}") from None
         term = constant * rest
@@ -56,7 +56,7 @@ def integrate_terms(mu: Expr, criterion: Criterion, seconds: float, progress: Pr
 
 
 def _averaged(
-    pieces: list[Expr], ends: list[Expr], criterion: Criterion, seconds: float, progress: Progress
+    pieces: list[Expr], ends: list[Expr], criterion: Criterion, seconds: float
 ) -> tuple[str, Expr, list[Expr]]:
     """Return a rule's name, the average of a term in pieces, and their antiderivatives where there are such."""
     v, V = symbols.v, symbols.V
@@ -78,7 +78,7 @@ def _averaged(
         primitive = antiderivative(piece, criterion.kernel, v)
         if primitive is None:
             limit = 0.0 if _is_hopeless(piece) else seconds
-            primitive = search.RULE, search.antiderivative(piece, criterion.kernel, v, limit, progress)
+            primitive = search.RULE, search.antiderivative(piece, criterion.kernel, v, limit)
         applied.append(primitive)
     primitives = [primitive for _, primitive in applied]
     try:

@@ -10,14 +10,13 @@ import pickle
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 
 import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.deadline import check_time, time_left
+from stickslip_sym.core.progress import stages
 
-Progress = Callable[[str], None]
 """Called with a few words on the present step."""
 
 RULE = "SymPy's integrator"
@@ -31,16 +30,17 @@ class NothingFound(Exception):
     """Why nothing was found, in words."""
 
 
-def antiderivative(f: Expr, polynomial: Expr, x: Expr, seconds: float, progress: Progress) -> Expr:
+def antiderivative(f: Expr, polynomial: Expr, x: Expr, seconds: float) -> Expr:
     """Return an antiderivative of f(x) polynomial(x), or raise `NothingFound`.
 
     SymPy is asked for f x^n, without the coefficients of the polynomial: with them it finds less, and some wrong.
     """
     start = time.monotonic()
-    if seconds > 0:
-        progress(f"{RULE} for at most {seconds:.0f} s: {f}")
     terms = sp.Poly(polynomial, x).terms()
-    result = _done(sp.Tuple(*[sp.Integral(f * x**n, x) for (n,), _ in terms]), seconds)
+    with stages() as say:
+        if seconds > 0:
+            say(f"{RULE} for at most {seconds:.0f} s: {f}", 0, 0)
+        result = _done(sp.Tuple(*[sp.Integral(f * x**n, x) for (n,), _ in terms]), seconds)
     if result.has(sp.Integral, sp.Piecewise, *_UNFINISHED):
         raise NothingFound(f"{RULE} ended after {time.monotonic() - start:.1f} s without a usable result")
     return sp.Add(*[coefficient * value for (_, coefficient), value in zip(terms, result, strict=True)])

@@ -14,6 +14,7 @@ from scipy.special import chdtr, chdtrc, fdtrc
 from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import SAME
+from stickslip_sym.core.progress import counted_by, steps
 from stickslip_sym.core.remedies import AnySign, Values
 from stickslip_sym.model.fitting.least_squares import Minimum, Problem
 from stickslip_sym.model.fitting.result import NORMAL, Fit, Fits
@@ -108,14 +109,12 @@ def fit(
     else:
         measured = Measurements.of(v, mu, sigma)
     chosen, fits, rejected = _laws(laws), list[Fit](), dict[str, InputError]()
-    count = progress or (lambda done, total: None)
-    for done, (name, law) in enumerate(chosen.items()):
-        count(done, len(chosen))
-        try:
-            fits.append(_fit_law(law, measured))
-        except InputError as error:
-            rejected[name] = error
-    count(len(chosen), len(chosen))
+    with counted_by(progress):
+        for name in steps(chosen, str):
+            try:
+                fits.append(_fit_law(chosen[name], measured))
+            except InputError as error:
+                rejected[name] = error
     if not fits:
         reasons = [part for name, error in islice(rejected.items(), 3) for part in ("; ", f"{name}: ", error)]
         raise InputError(f"no law could be fitted to {len(measured)} rows: ", *reasons[1:])

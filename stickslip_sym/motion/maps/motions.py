@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -12,13 +13,14 @@ from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import BoolArray, FloatArray, ObjectArray
 from stickslip_sym.core.errors import NotConverged, OutOfTime
 from stickslip_sym.core.numbers import read_rtol
+from stickslip_sym.core.progress import counted_by
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.motion.maps.cells import CURVES, LATE, Cells, Reason, decide
 from stickslip_sym.motion.maps.drawing import FAILED, NO_ATTRACTOR, CellMap, regions_of_attractors
 from stickslip_sym.motion.maps.table import OSCILLATOR, AxisValues, read_plane
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Region
-from stickslip_sym.motion.workers import Progress, Workers, collect
+from stickslip_sym.motion.workers import Workers, collect
 from stickslip_sym.output import files
 
 if TYPE_CHECKING:
@@ -110,7 +112,7 @@ def motion_map(
     c: float | None = None,
     rtol: float = 1e-8,
     workers: Workers = 1,
-    progress: Progress | None = None,
+    progress: Callable[[int, int], None] | None = None,
     time_limit: float | None = None,
 ) -> MotionMap:
     """Return the motions over a plane of two quantities.
@@ -165,9 +167,9 @@ def motion_map(
     keys = [*reversed(OSCILLATOR), *(name for name in names if name in law.parameters)]
     order = np.lexsort([points[name] for name in keys])
     rows = [order[i : i + _CELLS] for i in range(0, order.size, _CELLS)]
-    with deadline.time_limit(time_limit):
+    with deadline.time_limit(time_limit), counted_by(progress):
         tasks = [{name: column[some] for name, column in points.items()} for some in rows]
-        results = collect(partial(decide, bound, rtol), tasks, workers=workers, progress=progress)
+        results = collect(partial(decide, bound, rtol), tasks, workers=workers, what="lines of cells")
     cells = Cells.unknown(order.size)
     for some, part in zip(rows, results, strict=True):
         cells.put(some, part or OutOfTime(LATE))

@@ -17,6 +17,7 @@ import numpy as np
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import NO_RESULT, InputError
+from stickslip_sym.core.progress import counted_by, steps
 from stickslip_sym.core.resolved import NODES, Piece, Resolved, Turn, fitted, joined
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
@@ -138,6 +139,7 @@ def basin_sweep(
     *,
     x0: tuple[float, float],
     v0: tuple[float, float],
+    progress: Callable[[int, int], object] | None = None,
     time_limit: float | None = None,
 ) -> BasinSweep:
     """Return the share of a box of initial conditions that each motion draws, over one quantity.
@@ -154,6 +156,8 @@ def basin_sweep(
         V, N, m, k, c or a parameter of the law, and its values, ascending.
     x0, v0 : tuple of float
         The box of initial conditions: from and to, displacements in m and velocities in m/s.
+    progress : callable, optional
+        Called with the number of values that are done, and of all.
     time_limit : float, optional
         Seconds of computation after which it is given up.
 
@@ -184,10 +188,10 @@ def basin_sweep(
 
     values = axis.values.tolist()
     with deadline.time_limit(time_limit):
-        regimes = [at(value) for value in values]
-        shares = [shares_by_area(regime, *box) for regime in regimes]
+        with counted_by(progress):
+            shares = [shares_by_area(at(value), *box) for value in steps(values, f"{axis.name} = {{:.4g}}".format)]
         folds, unresolved = _folds(at, values[0], values[-1], axis.name == "c")
-        changes = [*_critical(regimes[0].law, regimes[0].oscillator, axis), *folds]
+        changes = [*_critical(at(values[0]).law, at(values[0]).oscillator, axis), *folds]
     present = [motion for motion in Motion if any(motion in share for share in shares)]
     none, unsettled = Share(0.0, 0.0), Share(math.nan, math.nan)
     table = {motion: [share.get(motion, none if share else unsettled) for share in shares] for motion in present}

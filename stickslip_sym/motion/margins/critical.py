@@ -38,7 +38,7 @@ from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, transit
 from stickslip_sym.motion.thresholds.methods import Method, accuracy, ask, find_method, methods
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, of_oscillator
 from stickslip_sym.motion.thresholds.theorem import Search, checked_hypotheses
-from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
+from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.output import markup
 
 _WHOLE = (1e-12, 1e12)  # belt speeds in m/s that are looked at
@@ -234,15 +234,20 @@ def critical(
     rtol = read_rtol(rtol, least=TIGHT, most=1.0)
     with deadline.time_limit(time_limit):
         if of == "c":
-            one = pure_slip_damping(law, **numbers, method=method, rtol=rtol)
-            value = Critical(
-                "c", one.value, "kg/s", one.method, one.relative_error, one.sensitivity, one.enclosure
-            )
-            return CriticalValues([value], "c", "kg/s", (-math.inf, math.inf))
+            return critical_damping(pure_slip_damping(law, **numbers, method=method, rtol=rtol))
         unit = (law.parameters[of].unit or "") if of in law.parameters else None
         if isinstance(within, list | tuple):
             within = [real(of, in_si(value, of, unit)) if isinstance(value, str) else value for value in within]
         return _Search(law, of, numbers, find_method(method), rtol).found(_places(within))
+
+
+def critical_damping(threshold: Threshold) -> CriticalValues:
+    """Return the critical value of c, the threshold itself."""
+    value = Critical(
+        "c", threshold.value, "kg/s", threshold.method, threshold.relative_error, threshold.sensitivity,
+        threshold.enclosure,
+    )  # fmt: skip
+    return CriticalValues([value], "c", "kg/s", (-math.inf, math.inf))
 
 
 def excess(points: OperatingPoints, c: float, method: Method | None) -> float:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass
 from typing import SupportsIndex
 
 import numpy as np
@@ -11,12 +11,13 @@ import numpy as np
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import NO_RESULT, InputError, OutOfTime, StickSlipError
 from stickslip_sym.core.numbers import SAME, real, require_type
+from stickslip_sym.core.progress import steps
 from stickslip_sym.core.uncertain import UFloat, split
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
-from stickslip_sym.motion.margins.critical import Critical, critical, excess
+from stickslip_sym.motion.margins.critical import Critical, critical, critical_damping, excess
 from stickslip_sym.motion.simulation.cycle import stick_slip_cycle
 from stickslip_sym.motion.thresholds.methods import Method
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
@@ -207,36 +208,49 @@ def margins(
     if not reach > 1:
         raise InputError(f"reach = {reach:g} is no factor above 1, by which a value may change; 10 is usual")
     carried = carried_by(osc, errors or {})
-    quantities = {one.name: getattr(osc, one.name) for one in fields(osc)}
+    quantities = asdict(osc)
     if samples < 0:
         raise InputError(f"samples = {samples} must not be negative; 0 is for none")
     deadline.require_seconds(each)
     with deadline.time_limit(time_limit):
         numbers = {name: carried.get(name, quantities[name]) for name in "VNmk"}
         threshold = pure_slip_damping(law, **numbers, method=method, rtol=rtol)
-        rows, refused, open_ = [], {}, {}
-        for name, value in (quantities | {p: float(v) for p, v in law.values.items()}).items():
-            if value == 0:
-                continue
-            others = {key: number for key, number in quantities.items() if key != name}
-            low, high = sorted((value / reach, value * reach))
-            try:
-                with deadline.time_limit(each):
-                    found = critical(law, name, **others, method=method, rtol=rtol, within=(low, high))
-            except StickSlipError as error:
-                deadline.check_time()  # raises if it was the limit on all of them
-                refused[name] = f"not found within {each} s" if isinstance(error, OutOfTime) else str(error)
-                continue
-            below = [one for one in found if one.value <= value]
-            above = found[len(below) :]
-            if found.unresolved:
-                open_[name] = found.unresolved
-            rows.append(Margin(name, value, below[-1] if below else None, above[0] if above else None))
-        probability, sampled = _probabilities(threshold, osc.c, carried.get("c"), samples)
-        sticks = None
-        if osc.c < threshold.value and threshold.points.has_oscillator:
-            with suppress(*NO_RESULT):
-                sticks = stick_slip_cycle(law, osc) is not None
+        return margins_of(threshold, osc, carried.get("c"), method, rtol, samples=samples, reach=reach, each=each)
+
+
+def margins_of(
+    threshold: Threshold, osc: Oscillator, c: UFloat | None, method: str | Criterion | Method = "auto",
+    rtol: float = 1e-3, *, samples: int, reach: float, each: float | None,
+) -> Margins:  # fmt: skip
+    """Return margins as `margins` does, about a threshold that is there; `c` is the damping with its error."""
+    law, rows, refused, open_ = threshold.points.law, list[Margin](), dict[str, str](), {}
+    quantities = asdict(osc)
+    values = quantities | {name: float(value) for name, value in law.values.items()}
+    for name in steps([name for name, value in values.items() if value], "margins of {}".format):
+        value = values[name]
+        others = {key: number for key, number in quantities.items() if key != name}
+        within = sorted((value / reach, value * reach))
+        try:
+            with deadline.time_limit(each):
+                criticals = (
+                    critical_damping(threshold)
+                    if name == "c"
+                    else critical(law, name, **others, method=method, rtol=rtol, within=within)
+                )
+        except StickSlipError as error:
+            deadline.check_time()  # raises if it was the limit on all of them
+            refused[name] = f"not found within {each} s" if isinstance(error, OutOfTime) else str(error)
+            continue
+        below = [end for end in criticals if end.value <= value]
+        above = criticals[len(below) :]
+        if criticals.unresolved:
+            open_[name] = criticals.unresolved
+        rows.append(Margin(name, value, below[-1] if below else None, above[0] if above else None))
+    probability, sampled = _probabilities(threshold, osc.c, c, samples)
+    sticks = None
+    if osc.c < threshold.value and threshold.points.has_oscillator:
+        with suppress(*NO_RESULT):
+            sticks = stick_slip_cycle(law, osc) is not None
     rows.sort(key=lambda row: abs(row.change))
     return Margins(threshold, osc.c, tuple(rows), probability, sampled, refused, open_, sticks)
 

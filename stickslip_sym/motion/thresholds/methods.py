@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip_sym.core.aliases import BoolArray, FloatArray, ObjectArray
+from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
 from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.core.numbers import lookup
+from stickslip_sym.core.progress import steps
 from stickslip_sym.core.remedies import Argument, Name
 from stickslip_sym.criteria import criterion as criteria
 from stickslip_sym.criteria.criterion import Criterion
@@ -61,6 +62,25 @@ def _slip_changes(points: OperatingPoints) -> dict[str, FloatArray]:
     by_row = [grazing_sensitivity(points.law, points.oscillator(row)) for row in range(len(points))]
     names = (*points.columns, *points.law.parameters)
     return {name: np.array([sensitivity[name] for sensitivity in by_row]) for name in names}
+
+
+@dataclass
+class Reference:
+    """Thresholds at some points that give the errors of averages there: kept, or asked for once."""
+
+    computed: Computed | None = None
+
+    def offer(self, value: FloatArray, relative_error: FloatArray) -> None:
+        """Keep thresholds that a method gave, if accurate enough, and more accurate than those that are kept."""
+        most = _REFERENCE if self.computed is None else self.computed.relative_error
+        if (relative_error <= most).all():
+            self.computed = Computed(value, relative_error)
+
+    def at(self, points: OperatingPoints, rows: IntArray) -> Computed:
+        """Return those at some rows of all points."""
+        if self.computed is None:
+            self.computed, _ = ask(points, None, _REFERENCE)
+        return Computed(self.computed.value[rows], self.computed.relative_error[rows])
 
 
 @dataclass(frozen=True)
@@ -151,12 +171,14 @@ def find_method(method: "str | Criterion | Method") -> Method | None:
 
 
 def good_enough(
-    points: OperatingPoints, method: Method | None, rtol: float
+    points: OperatingPoints, method: Method | None, rtol: float, shared: Reference | None = None
 ) -> tuple[Computed, ObjectArray, FloatArray]:
     """Return thresholds by a method, or by the cheapest for None, the names of their methods, and errors in kg/s.
 
     Their errors are at most `rtol` if the method converges, and stated if not. Where `rtol` is not reached, or
     time is up, the message holds the best value.
+
+    - `shared`: what gives the errors of averages, if several methods are asked at the same points.
     """
     if method is not None:
         method.check(points.law, points.V, points.has_oscillator)
@@ -184,7 +206,7 @@ def good_enough(
         )
     if points.has_oscillator:  # else nothing is known of the threshold itself
         some = points.rows(far)
-        reference, _ = ask(some, None, _REFERENCE)
+        reference = ask(some, None, _REFERENCE)[0] if shared is None else shared.at(points, far)
         away = np.abs(computed.value[far] - reference.value)
         off = some.relative(away, reference.value) + reference.relative_error
         error, base = computed.relative_error.copy(), points.error_base(computed.value)
@@ -394,7 +416,7 @@ def _each(points: OperatingPoints, compute: Callable[[int], tuple[float, float]]
     """Return values and errors, or refusals, row by row."""
     columns = np.full((2, len(points)), [[np.nan], [np.inf]])
     refusals: dict[int, StickSlipError] = {}
-    for row in range(len(points)):
+    for row in steps(range(len(points)), points.label):
         try:
             columns[:, row] = compute(row)
         except NO_RESULT as refusal:

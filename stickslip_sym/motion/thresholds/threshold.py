@@ -24,6 +24,7 @@ from stickslip_sym.model.negative import warn_where_negative
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.methods import (
     Method,
+    Reference,
     accuracy,
     find_method,
     good_enough,
@@ -308,9 +309,19 @@ def pure_slip_damping(
     >>> f"{threshold.value:.7f} kg/s by {threshold.method}"
     '2.5730789 kg/s by orbit'
     """
-    law = as_law(law)
-    chosen = find_method(method)
-    points = OperatingPoints.of(law, osc, V=V, N=N, m=m, k=k)
+    points = OperatingPoints.of(as_law(law), osc, V=V, N=N, m=m, k=k)
+    return threshold_at(points, method, rtol, time_limit)
+
+
+def threshold_at(
+    points: OperatingPoints,
+    method: str | Criterion | Method,
+    rtol: float,
+    time_limit: float | None,
+    shared: Reference | None = None,
+) -> Threshold:
+    """Return thresholds as `pure_slip_damping` does; `shared` is what several methods share at the same points."""
+    law, chosen = points.law, find_method(method)
     law.require_values()
     if chosen is None and not points.has_oscillator:
         chosen = find_method("equilibrium" if is_straight(law) else "harmonic")
@@ -320,7 +331,9 @@ def pure_slip_damping(
         warn_where_negative(law.kinetic, float(points.V.max()))
     with deadline.time_limit(time_limit):
         deadline.check_time()
-        computed, names, errors = good_enough(points, chosen, rtol)
+        computed, names, errors = good_enough(points, chosen, rtol, shared)
+    if shared is not None and (chosen is None or chosen.converges):
+        shared.offer(computed.value, computed.relative_error)
     table = methods() if chosen is None else {chosen.name: chosen}
     error = computed.relative_error
     known = np.isfinite(error).any() or not error.size

@@ -5,7 +5,6 @@ import pickle
 import subprocess
 import sys
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import nullcontext
 from multiprocessing import get_context
 
 import numpy as np
@@ -13,6 +12,7 @@ import pytest
 
 import stickslip_sym as ss
 from stickslip_sym.core import deadline
+from stickslip_sym.core.progress import heard_by
 from stickslip_sym.motion import workers
 from stickslip_sym.motion.maps import motions
 from stickslip_sym.motion.maps.cells import LATE
@@ -86,13 +86,13 @@ def test_unusable_workers_are_refused(wrong):
 def test_executors_that_break_are_an_error():
     spawned = ProcessPoolExecutor(1, mp_context=get_context("spawn"))
     with spawned, pytest.raises(ss.NotConverged, match="the executor ended before its work"):
-        workers.collect(os._exit, [1, 1], workers=spawned)
+        workers.collect(os._exit, [1, 1], workers=spawned, what="tasks")
 
 
 def test_time_that_is_left_goes_to_workers():
     with deadline.time_limit(100):
-        assert all(0 < left < 100 for left in workers.collect(_left, [1, 2], workers=2))
-    assert workers.collect(_left, [1]) == [np.inf]
+        assert all(0 < left < 100 for left in workers.collect(_left, [1, 2], workers=2, what="tasks"))
+    assert workers.collect(_left, [1], what="tasks") == [np.inf]
 
 
 def _left(_):
@@ -123,7 +123,8 @@ def press(done, total):
 
 
 def test_control_c_prints_what_is_done(run, monkeypatch, tmp_path):
-    monkeypatch.setattr("stickslip_sym.cli.map.counted", lambda _: nullcontext(press))
+    heard = heard_by(lambda step: press(step.done, step.total))
+    monkeypatch.setattr("stickslip_sym.cli.map.under_way", lambda _: heard)
     code, out, err = run("map", "exponential", "--x", "V=0.2:0.8:7", "--y", "c=0.5:6:12", "--csv", "part.csv")
     assert (code, err.strip()) == (130, "interrupted")
     assert "stick-slip" in out
