@@ -1,5 +1,6 @@
 """Checks F3 to F10: the paper's figures."""
 
+from bisect import bisect_left
 from fractions import Fraction
 from typing import Any
 
@@ -18,13 +19,13 @@ from paper_checks.computed import (
 )
 from paper_checks.findings import Find, Finding, Printed, check
 from paper_checks.proved import (
-    SPEED_TEXTS,
     agrees,
     apart,
     enclosed,
     enclosed_over_speeds,
     formula_over_speeds,
     nearer,
+    proved_places,
     sizes,
 )
 from paper_checks.wording import by_law, listed, percent
@@ -35,7 +36,8 @@ WELL = 0.05  # relative deviation that counts as good agreement
 LARGE = 0.10  # relative deviation that counts as a large difference
 READABLE = 0.06  # kg/s, a hundredth of the height of Figs. 6 and 7
 THOMSEN = "Thomsen & Fidlin"
-STIFFNESSES = (*np.geomspace(100, 1000, 41).tolist(), 1e4, 1e5, 1e6)  # N/m
+STIFFNESSES = np.geomspace(100, 1e6, 161).tolist()  # N/m
+LEAP = 20  # of them, between which the last one is sought at which a formula is closer
 FALLS = {"falls": True, "fall": True, "rises": False, "rise": False}
 ENDS = {motion: motion.value for motion in Motion} | {Motion.REST: "damped slip"}
 """The paper's words for how a motion from the belt's speed ends."""
@@ -102,8 +104,9 @@ def phase_plots(find: Find, printed: Printed) -> Finding:
 @check("F6")
 def exponential_law(find: Find, printed: Printed) -> Finding:
     """(17) and the criterion of the equilibrium against the exact threshold, V from 0.01 to 1 m/s."""
+    places = proved_places()
     proved = [threshold for threshold in enclosed_over_speeds("exponential") if threshold is not None]
-    everywhere = len(proved) == SPEEDS.size and agrees(proved, thresholds("exponential"))
+    everywhere = len(proved) == len(places) and agrees(proved, thresholds("exponential")[places])
     off = {
         name: [
             apart(*pair) for pair in zip(formula_over_speeds(printed[name], "exponential"), proved, strict=False)
@@ -116,13 +119,13 @@ def exponential_law(find: Find, printed: Printed) -> Finding:
     most = {name: max(float(sizes(one)[1]) for one in off[name]) for name in off}
     closer = min(most, key=lambda name: most[name])
     decided = max(least.values()) > min(most.values())
-    here = percent(*(float(values[min(AT_05, len(values) - 1)]) for values in off.values()))
+    here = percent(*(float(values[min(places.index(AT_05), len(values) - 1)]) for values in off.values()))
     return find(
         ours=f"(17) within {most['(17)']:.1%}, equilibrium {most['equilibrium']:.0%}",
         holds="(17) agrees well with the threshold at every belt speed; the criterion of the equilibrium does not",
         proved=f"at each of {len(proved)} belt speeds (17) is off the threshold by less than {most['(17)']:.2%}; "
         + "; ".join(
-            f"{name} is off by {100 * float(off[name][i]):+.2f} % at V = {SPEEDS[i]:g} m/s"
+            f"{name} is off by {100 * float(off[name][i]):+.2f} % at V = {SPEEDS[places[i]]:g} m/s"
             for name, i in worst.items()
         )
         + f", the most; at V = 0.5 m/s they are {here}",
@@ -146,36 +149,42 @@ def polynomial_law(find: Find, printed: Printed) -> Finding:
     theirs = is_criterion(printed["equilibrium"], "polynomial", "equilibrium") and is_criterion(
         printed[THOMSEN], "polynomial", "harmonic"
     )
-    proved = enclosed_over_speeds("polynomial")
+    places, proved = proved_places(), enclosed_over_speeds("polynomial")
     balls = {name: formula_over_speeds(printed[name], "polynomial") for name in values}
     # Where no c >= 0 is a threshold, collocation gives a negative one.
     positive = [i for i, threshold in enumerate(proved) if threshold is not None]
-    everywhere = len(proved) == SPEEDS.size and agrees(proved, thresholds("polynomial"))
+    everywhere = len(proved) == len(places) and agrees(proved, thresholds("polynomial")[places])
     beats = {
         name: [nearer(balls["(18)"][i], balls[name][i], one) for i, one in enumerate(proved) if one is not None]
         for name in (THOMSEN, "equilibrium")
     }
     decided = everywhere and None not in beats[THOMSEN] + beats["equilibrium"]
-    wins = [SPEED_TEXTS[i] for i, beaten in zip(positive, beats[THOMSEN], strict=True) if beaten]
+    wins = [SPEEDS[places[i]] for i, beaten in zip(positive, beats[THOMSEN], strict=True) if beaten]
     beats_equilibrium = all(beats["equilibrium"]) and bool((off["(18)"] < off["equilibrium"]).all())
-    decided = decided and beats[THOMSEN] == (off["(18)"] < off[THOMSEN])[positive].tolist()
+    decided = decided and beats[THOMSEN] == (off["(18)"] < off[THOMSEN])[places][positive].tolist()
 
     def closer(k: float) -> Any:
         exact = thresholds("polynomial", k=k)
         return abs(values["(18)"] - exact) < abs(values[THOMSEN] - exact)
 
+    def is_further(k: float) -> bool:
+        return not closer(k).any()
+
     here = closer(100.0)
     first = f"V >= {SPEEDS[np.argmax(here)]:g} m/s"
     negative = all(ball.high < 0 for name in ("(18)", THOMSEN) for ball in balls[name][len(positive) :])
-    some = [k for k in STIFFNESSES if closer(k).any()]
-    stiff = f"up to k = {some[-1]:.0f} N/m; stiffer, at none" if some else "at no k from 100 N/m on"
+    some = [k for k in STIFFNESSES[::LEAP] if not is_further(k)]
+    stiff = "at no k from 100 N/m on"
+    if some:
+        between = [k for k in STIFFNESSES if some[-1] <= k <= some[-1] * STIFFNESSES[LEAP] / STIFFNESSES[0]]
+        stiff = f"up to k = {between[bisect_left(between, True, key=is_further) - 1]:.0f} N/m; stiffer, at none"
     return find(
         ours=f"closer than Thomsen & Fidlin for {first} only",
         holds=f"(18) is {'' if beats_equilibrium else 'not '}closer than Galvanetto & Bishop at every belt speed, "
         f"and than Thomsen & Fidlin {'everywhere' if here.all() else 'for fast belts only'}",
         proved=f"of the {len(positive)} belt speeds with a threshold (18) is closer than Galvanetto & Bishop at "
         f"{sum(map(bool, beats['equilibrium']))}, and than Thomsen & Fidlin at {len(wins)}"
-        + (f", from V = {wins[0]} to {wins[-1]} m/s" if wins else "")
+        + (f", from V = {wins[0]:g} to {wins[-1]:g} m/s" if wins else "")
         + f"; at the other {len(proved) - len(positive)} no c >= 0 lets the slip from P return"
         + (", as both formulas have it, which are negative there" if negative else ""),
         estimated="the largest deviations are "

@@ -20,8 +20,14 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Refuse a report that could not be written before anything is computed."""
+    """Say where thresholds are proved; refuse a report that could not be written before anything is computed."""
     folder = config.getoption("--report", None)
+    if folder is not None or config.getoption("--thorough", default=False):
+        from paper_checks.proved import (
+            prove_everywhere,
+        )  # imports the package, which the run's first process need not
+
+        prove_everywhere()
     if folder is None:
         return
     if importlib.util.find_spec("matplotlib") is None:

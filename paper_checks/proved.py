@@ -15,13 +15,27 @@ from stickslip_sym.criteria.enclosure import Enclosure, enclosure_of
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, transit
 from stickslip_sym.motion.thresholds.theorem import Theorem, checked_hypotheses, prove_threshold
 
-SPEED_TEXTS = [f"{speed:g}" for speed in SPEEDS]
-"""The belt speeds of Figs. 6, 7 and 10 as decimals, which a proof takes exactly."""
-
 _BITS = 64  # precision for a slip without damping, which is far from grazing
 _FORMULA_BITS = 200  # precision for (17), which cancels most of them at small V
 _GUESS_ERROR = 1e-10  # relative error of collocation
 _FINE = 2e-4  # relative width of an enclosure at V = 1 m/s; criteria differ by about V^2, and it does too
+_BY_DEFAULT = 5  # every fifth speed: a hundred proofs a figure take a quarter of a minute
+_every = [_BY_DEFAULT]
+
+
+def prove_everywhere() -> None:
+    """Take all of `SPEEDS` for the proofs of Figs. 6 and 7, as a report does."""
+    _every[0] = 1
+
+
+def proved_places() -> range:
+    """Return the places in `SPEEDS` of the speeds at which thresholds are proved, from the first to 1 m/s."""
+    return range(_every[0] - 1, SPEEDS.size, _every[0])
+
+
+def proved_speeds() -> list[str]:
+    """Return these speeds as decimals, which a proof takes exactly."""
+    return [f"{SPEEDS[place]:g}" for place in proved_places()]
 
 
 def exact_point(name: str, V: str, k: str = "100") -> ExactPoint:
@@ -54,12 +68,12 @@ def lowest_velocity(name: str) -> Enclosure:
 
 @cache
 def enclosed_over_speeds(name: str) -> list[Enclosure | None]:
-    """Return the same at each of `SPEEDS`, up to the first where collocation disagrees.
+    """Return the same at each of `proved_speeds`, up to the first where collocation disagrees.
 
     It is None where the slip from P was proved to return for no c >= 0.
     """
     found: list[Enclosure | None] = []
-    for V, guess in zip(SPEED_TEXTS, thresholds(name), strict=True):
+    for V, guess in zip(proved_speeds(), thresholds(name)[proved_places()], strict=True):
         found.append(_proved(name, V, float(guess)))
         if not _holds(found[-1], guess):
             break
@@ -93,12 +107,12 @@ def agrees(enclosures: Iterable[Enclosure | None], guesses: Iterable[float]) -> 
 
 @cache
 def formula_over_speeds(expr: Any, name: str) -> list[Enclosure]:
-    """Return enclosures of a formula with the paper's parameters at `SPEEDS`."""
+    """Return enclosures of a formula with the paper's parameters at `proved_speeds`."""
     bound = law(name)
     point: dict[Any, Any] = {bound.parameters[given].symbol: value for given, value in bound.values.items()}
     point |= {symbols.N: exact_point(name, "1").N}
     with working_precision(_FORMULA_BITS):
-        return [enclosure_of(ball_value(expr, {**point, symbols.V: sp.Rational(V)}).real) for V in SPEED_TEXTS]
+        return [enclosure_of(ball_value(expr, {**point, symbols.V: sp.Rational(V)}).real) for V in proved_speeds()]
 
 
 def nearer(one: Enclosure, other: Enclosure, threshold: Enclosure) -> bool | None:
