@@ -51,15 +51,13 @@ def pytest_report_header(config):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """Share out tests one by one, save those in `TOGETHER`, which come first.
-
-    The marks that pytest-xdist has for that do nothing with pytest 9.2.
-    """
+    """Share out tests by file, and those in `TOGETHER` at once: what a file computes is computed once."""
     from xdist.scheduler import LoadScopeScheduling
 
     class Scheduling(LoadScopeScheduling):
         def _split_scope(self, nodeid):
-            return next((name for name, places in TOGETHER.items() if nodeid.startswith(places)), nodeid)
+            file = nodeid.partition("::")[0]
+            return next((name for name, places in TOGETHER.items() if nodeid.startswith(places)), file)
 
     return Scheduling(config, log)
 
