@@ -152,12 +152,12 @@ def test_runs_of_scipy_decide_as_classify_does():
     """Away from the separatrix; with events and smoothed, and from both sides of the belt's speed."""
     rng = np.random.default_rng(3)
     rests, osc = 0, ss.Oscillator(**BOX)
-    for x0, v0 in np.column_stack([rng.uniform(-2, 2, 5), rng.uniform(0, 2, 5)]).tolist():
+    for x0, v0 in np.column_stack([rng.uniform(-2, 2, 3), rng.uniform(0, 2, 3)]).tolist():
         rest = ss.classify(BISTABLE, osc, x0=x0, v0=v0) is ss.Motion.REST
         rests += rest
         assert tradeoff.comes_to_rest(BISTABLE, osc, x0, v0, 1e-6) == rest
         assert tradeoff.comes_to_rest_smoothed(BISTABLE, osc, x0, v0, 1e-3) == rest
-    assert 1 <= rests <= 4
+    assert 1 <= rests <= 2
 
 
 # Few different times and errors, so that some are equal, and some without a number.

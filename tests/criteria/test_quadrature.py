@@ -107,8 +107,10 @@ def test_low_narrow_bumps_have_all_digits(height, width, place):
     assert len(speeds) < 20_000  # ten times as many where no digits are in hand
 
 
-@pytest.mark.parametrize(("sharpness", "V"), [("54", "8.12"), ("200", "0.6")])
-@pytest.mark.parametrize("digits", [8, 25])
+@sweep(
+    ("sharpness", "V", "digits"),
+    [("54", "8.12", 8), ("54", "8.12", 25), ("200", "0.6", 8), ("200", "0.6", 25)], 0, 3,
+)  # fmt: skip
 def test_a_narrow_peak_is_not_stepped_over(sharpness, V, digits):
     """All degrees of a tanh-sinh rule may miss it, and agree; the reference integrates over log(v)."""
     law = ss.FrictionLaw(f"exp(-({sharpness}*log(v))^2)")

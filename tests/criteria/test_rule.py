@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 from narrow_laws import SHAPES, narrow_law
+from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.criteria.criterion import equilibrium, harmonic, least_squares
@@ -33,7 +34,7 @@ def test_catalogue_within_the_stated_error(name, V):
     assert deviation <= error
 
 
-@pytest.mark.parametrize("criterion", [least_squares, harmonic])
+@sweep("criterion", [least_squares, harmonic], 1)
 def test_far_out_the_slope_counts_and_not_the_rounding_of_mu(criterion):
     """There an average is 1/V or less of mu/V: differences of values of mu would know no digit of it."""
     for name in ("exponential", "rational", "arctangent", "bengisu_akay"):

@@ -72,7 +72,7 @@ CHECKED = {"a/(1 + (v/w)^delta)", HARMONIC[1], HARMONIC[3]}  # the others are pr
 @sweep(
     ("text", "criterion"),
     [*((text, "least_squares") for text in LAWS), *((text, "harmonic") for text in HARMONIC)],
-    0, 1, 6, 10, 15, 17, 18, 20, 21, 23, 24, 28, 30, 31, 32, 33,
+    0, 6, 10, 15, 21, 24, 28, 30, 31, 33,
 )  # fmt: skip
 def test_values_are_those_of_the_definition(text, criterion):
     """For random parameters over two decades, a call over six; kinks may lie below rest."""
@@ -138,7 +138,7 @@ def test_digits_or_values_that_cannot_be_had():
         ss.derive(ss.laws.polynomial.typical())(V=1e200, N=9.81)
 
 
-@pytest.mark.parametrize("ratio", ["11", "12.38", "13.08", "40"])
+@sweep("ratio", ["11", "12.38", "13.08", "40"], "12.38", "40")
 def test_digits_where_a_series_cancels_hundreds(ratio):
     """A 2F2 of -4 r^2 beside a fourth root, whose rational powers SymPy could not take apart."""
     law = ss.FrictionLaw("0.1*erf(v) + 0.3*asinh(v/2)")
@@ -151,20 +151,20 @@ def test_numbers_beyond_numpys_integers_stay_doubles():
     assert law.mu([1e-20, 1.0]) == pytest.approx([0.3 * np.exp(-1), 1e-30], rel=1e-15)
 
 
-def test_what_grows_at_rest_has_a_criterion_while_the_weight_vanishes_faster():
+@sweep(("criterion", "limit", "factor"), [("harmonic", 0.5, "0.3"), ("least_squares", 1.0, "b")], 1)
+def test_what_grows_at_rest_has_a_criterion_while_the_weight_vanishes_faster(criterion, limit, factor):
     """Be its factor a number or a parameter; the harmonic weight vanishes like a root, the other once."""
     rng = random.Random(4)
-    for criterion, limit in (("harmonic", 0.5), ("least_squares", 1.0)):
-        for slower in (True, False):
-            order = sp.Rational(rng.randint(1, 9), 10) * sp.Rational(limit) + (0 if slower else sp.Rational(limit))
-            law = ss.FrictionLaw(f"{'0.3' if criterion == 'harmonic' else 'b'}*v^(-{order})")
-            if slower:
-                assert ss.derive(law, criterion).verdict.status is ss.Status.PROVED
-            else:
-                with pytest.raises(ss.NoClosedForm, match=r"not integrable at v = 0\+"):
-                    ss.derive(law, criterion)
-        with pytest.raises(ss.NoClosedForm, match=r"not integrable at v = 0\+"):
-            ss.derive(ss.FrictionLaw(f"b/v^({sp.Rational(limit)})"), criterion)
+    for slower in (True, False):
+        order = sp.Rational(rng.randint(1, 9), 10) * sp.Rational(limit) + (0 if slower else sp.Rational(limit))
+        law = ss.FrictionLaw(f"{factor}*v^(-{order})")
+        if slower:
+            assert ss.derive(law, criterion).verdict.status is ss.Status.PROVED
+        else:
+            with pytest.raises(ss.NoClosedForm, match=r"not integrable at v = 0\+"):
+                ss.derive(law, criterion)
+    with pytest.raises(ss.NoClosedForm, match=r"not integrable at v = 0\+"):
+        ss.derive(ss.FrictionLaw(f"{factor}/v^({sp.Rational(limit)})"), criterion)
 
 
 # -- SymPy's integrator ------------------------------------------------------------------------------

@@ -6,6 +6,7 @@ import re
 import mpmath
 import pytest
 import sympy as sp
+from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
@@ -58,7 +59,7 @@ def test_digits_lost_by_cancellation_are_noticed():
     assert float(form.evaluate(20, w="0.395005", **values)) == pytest.approx(-3.299041e-195, rel=1e-6)
 
 
-@pytest.mark.parametrize("digits", [5, 20])
+@sweep("digits", [5, 20], 20)
 def test_every_digit_is_right_at_extremes(digits):
     """Against the same formulas at 9000 digits, by a plain evaluation that bounds nothing."""
     x, y = sp.symbols("x y", positive=True)

@@ -153,16 +153,16 @@ def test_a_notebook_names_the_law_of_a_form_or_shows_it():
 
 def test_json_of_measured_points_is_a_table_of_cubics():
     rng = np.random.default_rng(16)
-    v = [0.0, *np.sort(np.round(rng.uniform(0.1, 2, 20), 3))]
-    form = ss.derive(ss.FrictionLaw.from_samples(v, np.round(rng.uniform(0.2, 0.5, 21), 3), extrapolate=True))
+    v = [0.0, *np.sort(np.round(rng.uniform(0.1, 2, 7), 3))]
+    form = ss.derive(ss.FrictionLaw.from_samples(v, np.round(rng.uniform(0.2, 0.5, 8), 3), extrapolate=True))
     said = content(form)
     assert said.keys() == {"cubics", "verdict"}
     table = said["cubics"]
-    i = int(rng.integers(20))
+    i = int(rng.integers(7))
     place, row = sp.Rational(table["places"][i]), map(sp.Rational, table["cubics"][i])
     x = float(v[i] + 0.3 * (v[i + 1] - v[i]))
     assert float(sum(c * (x - place) ** j for j, c in enumerate(row))) == pytest.approx(form.law.mu(x), rel=1e-13)
-    assert len(str(said)) < 8000
+    assert len(str(said)) < 3000
     assert content(ss.derive("mu_s - a*v"))["expr"] == "N*a"
 
 

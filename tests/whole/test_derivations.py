@@ -20,8 +20,9 @@ alpha, mu_s, mu_m = (paper.exponential[name] for name in ("alpha", "mu_s", "mu_m
 v_m = paper.polynomial["v_m"]
 
 
-@sweep("name", CHAPTERS, *(one for one in CHAPTERS if one != "second_order"))
+@sweep("name", CHAPTERS, "least_squares")
 def test_every_step_is_proved(name):
+    """The page of the derivations says so of all of them, and is run by another test."""
     derivation = chapter(name)({})
     assert {step.verdict.status for step in derivation.steps} == {Status.PROVED}
 
@@ -33,8 +34,7 @@ TAKEN = {
 }  # fmt: skip
 """Printed equations that chapters hold; other errors in them are mutations of the paper's checks."""
 TAMPERED = [
-    *((name, label, factor * PRINTED[label]) for name, labels in TAKEN.items() for label in labels
-      for factor in (-1, 2)),
+    *((name, label, -PRINTED[label]) for name, labels in TAKEN.items() for label in labels),
     ("exponential_law", "(17)", PRINTED["(17)"] * sp.exp(2 * alpha * V)),
     ("polynomial_law", "transition speed", sp.sqrt(sp.Rational(26, 21)) * v_m),
     ("one_threshold", "field", paper.velocity**2 / m),
@@ -42,11 +42,14 @@ TAMPERED = [
     ("hopf", "A^2", 4 * (v_m**2 - V**2) - 4 * c * v_m**3 / (3 * N * (mu_s - mu_m))),
     ("units", "(17)", PRINTED["(17)"] / V),
     ("units", "(18)", PRINTED["(18)"] * v_m**2),
-    ("second_order", "second order", law_4() - 2 * (law_4() - law_4().subs(m, sp.oo))),
 ]  # fmt: skip
+MORE_TAMPERED = [
+    *((name, label, 2 * PRINTED[label]) for name, labels in TAKEN.items() for label in labels),
+    ("second_order", "second order", law_4() - 2 * (law_4() - law_4().subs(m, sp.oo))),
+]
 
 
-@sweep(("name", "label", "wrong"), TAMPERED, *(one for one in TAMPERED if one[0] != "second_order"))
+@sweep(("name", "label", "wrong"), TAMPERED + MORE_TAMPERED, *range(len(TAMPERED)))
 def test_a_tampered_equation_is_refuted_with_its_point(name, label, wrong):
     verdict = chapter(name)({label: wrong})[label].verdict
     assert verdict.status is Status.REFUTED
@@ -54,9 +57,7 @@ def test_a_tampered_equation_is_refuted_with_its_point(name, label, wrong):
     assert " at " in verdict.evidence
 
 
-@pytest.mark.parametrize(
-    "weight", [(1 + s**4) * 5 / 8, (1 - s**4) * 5 / 4, (1 - s**2) * 3 / 4, (s**4 - 1) * 5 / 8]
-)
+@sweep("weight", [(1 + s**4) * 5 / 8, (1 - s**4) * 5 / 4, (1 - s**2) * 3 / 4, (s**4 - 1) * 5 / 8], 0, 2)
 def test_another_weight_is_refuted(weight):
     derivation = chapter("slope_average")({"weight": weight})
     assert derivation["slope average"].verdict.status is Status.REFUTED

@@ -76,8 +76,11 @@ def test_the_exponential_law_where_its_branches_meet():
     assert np.abs(values / (right / 2) - 1).max() <= MOST_UNITS_OF_THE_PAPER * accuracy.EPSILON
 
 
-@pytest.mark.parametrize("criterion", BOTH)
-@pytest.mark.parametrize(("name", "scale", "power"), [("exponential", "alpha", -1), ("polynomial", "v_m", 1)])
+@sweep(
+    ("name", "scale", "power", "criterion"),
+    [(*law, criterion) for law in (("exponential", "alpha", -1), ("polynomial", "v_m", 1)) for criterion in BOTH],
+    1, 2,
+)  # fmt: skip
 def test_over_six_hundred_decades(name, scale, power, criterion):
     """First a product of three extreme numbers, which may be out of range where the damping is not."""
     form, rng = form_of(name, criterion), np.random.default_rng(17)

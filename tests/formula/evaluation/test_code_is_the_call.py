@@ -58,7 +58,7 @@ def sizes(average, V):
         return sum(np.abs(np.broadcast_to(term(values), V.shape)) for term in average.functions)
 
 
-@sweep("seed", range(45), 0, 15, 33, 5, 24, 29)
+@sweep("seed", range(45), 15, 33, 5, 29)
 def test_code_equals_the_call(seed, tmp_path):
     law, average, V, expected = drawn(seed)
     point = {"N": 2.0} | {name: float(value) for name, value in law.values.items()}
