@@ -14,7 +14,6 @@ from stickslip_sym.core.remedies import Call
 from stickslip_sym.criteria.at_rest import vanishing
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model import in_flint
-from stickslip_sym.model.expression.pieces import branch_from
 from stickslip_sym.model.in_flint import WIDTH, LawInFlint
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.output.script import imported, sections
@@ -32,13 +31,13 @@ def certificate(
     page = sections(Path(__file__).with_suffix(".txt"))
     if low >= high or low <= 0 <= high:
         raise InputError(f"c is {shown}: a certificate is for a value with a certain digit; ask for more digits")
-    if vanishing(branch_from(law.expr, law.point, sp.S.Zero), law.point)[1] != 0 and criterion.weight is not None:
+    if vanishing(law.kinetic.segments[0][1], law.point)[1] != 0 and criterion.weight is not None:
         raise InputError(
             f"mu(v) = {law.text} vanishes at rest faster than any power of v, for which the script has no rule; "
             "the closed form, where there is one, is proved by ",
             Call("derive(law).certificate()", "export LAW --certificate FILE.py"),
         )
-    script = LawInFlint(law, "".join(page.values()))
+    script = LawInFlint(law.kinetic, "".join(page.values()))
     if criterion.weight is None:
         sides = _at_the_belt_s_speed(script, V)
         kind, definition = "equilibrium", "c = -N mu'(V)"

@@ -1,4 +1,4 @@
-"""A bound law as text of python-flint, for scripts that prove something of it without this package.
+"""A law as text of python-flint, for scripts that prove something of it without this package.
 
 What is written takes balls and power series alike. `in_flint.txt` has the functions that a law may call.
 """
@@ -15,8 +15,8 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.model.expression.pieces import branch_from, places
-from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.bound import BoundLaw
+from stickslip_sym.model.expression.pieces import places
 from stickslip_sym.output.script import SafeNames, sections
 
 WIDTH = 115  # of a line
@@ -26,26 +26,26 @@ _NEEDS = {"asinh": ("exp", "log"), "power": ("exp", "log"), "cosh": ("exp",), "c
 
 
 class LawInFlint:
-    """A law with values for all parameters in mu, for a script none of whose names is taken."""
+    """A law for a script none of whose names is taken."""
 
-    def __init__(self, law: FrictionLaw, script: str) -> None:
+    def __init__(self, law: BoundLaw, script: str) -> None:
         self._law, self._rows = law, sections(Path(__file__).with_suffix(".txt"))
         names = SafeNames(" ".join([script, *self._rows]))
-        self._names = {name: names.new(name) for name in law.values}
-        self._printer = _Flint({law.parameters[name].symbol: safe for name, safe in self._names.items()})
-        self.starts = [sp.Integer(0), *law.kinks()]
+        self._names = {symbol: names.new(symbol.name) for symbol, _ in law.values}
+        self._printer = _Flint(self._names)
+        self.starts = [start for start, _ in law.segments]
 
     @property
     def parameters(self) -> str:
         """Assignments of the law's values, on one line or, where that is too long, on one each."""
-        values = {self._names[name]: number(value) for name, value in self._law.values.items()}
+        values = {self._names[symbol]: number(value) for symbol, value in self._law.values}
         line = f"{', '.join(values)} = {', '.join(values.values())}" if values else ""
         return line if len(line) <= WIDTH else "\n".join(f"{name} = {text}" for name, text in values.items())
 
-    @cached_property
+    @property
     def pieces(self) -> list[Expr]:
         """The smooth pieces of mu."""
-        return [branch_from(self._law.expr, self._law.point, start) for start in self.starts]
+        return [formula for _, formula in self._law.segments]
 
     def functions_of_v(self, name: str, about: str, exprs: Iterable[Expr]) -> str:
         """Return a list of expressions as functions of v; formulas that fit no line stand as they are."""
@@ -60,8 +60,8 @@ class LawInFlint:
         """The speeds where the pieces end: the kinks, and the end of what was measured."""
         law, point = self._law, self._law.point
         written = {number_at(place, point): place for place in places(law.expr)}
-        ends = [kink if kink.is_Rational else written[kink] for kink in self.starts[1:]]
-        return [self.text(end) for end in [*ends, *([] if law.v_max is None else [law.v_max])]]
+        ends = [kink if kink.is_Rational else written[kink] for kink in law.exact_kinks]
+        return [self.text(end) for end in [*ends, *([] if law.end is None else [law.end])]]
 
     @property
     def functions(self) -> str:

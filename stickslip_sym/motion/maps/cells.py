@@ -108,7 +108,6 @@ def _reason_of(error: StickSlipError) -> Reason:
 def decide(law: FrictionLaw, rtol: float, points: Mapping[str, FloatArray]) -> Cells:
     """Return the motion from x = 0, x' = V, and every attractor, for each of some cells.
 
-    - `law`: with all parameters bound.
     - `rtol`: a damping that is closer to a threshold, relative to the largest of them, is not decided.
     - `points`: V, N, m, k, c and parameters of the law in place of those it has, an entry for each cell.
     """
@@ -147,7 +146,7 @@ class _Decider:
         self.ratio = 2 * impedance  # damping over damping ratio
         self.zeta = points["c"] / self.ratio
         at_kink = any(abs(kink / V - 1) <= SAME for kink in self.table.kinks)
-        self.equilibrium = -self.N * (math.nan if at_kink else float(law.slope(V))) / self.ratio
+        self.equilibrium = -self.N * (math.nan if at_kink else float(law.bound.slope(V))) / self.ratio
         eta, oscillator = np.unique(self.eta, return_inverse=True)
         orbits = eta, eta * (self.table.static - self.table.onset), np.ones(eta.size)
         rows = np.empty((eta.size, 5))

@@ -40,7 +40,7 @@ def certificate(
     Raises `InputError` for a law with a function that the script has no rule for.
     """
     law, page = point.law, sections(Path(__file__).with_suffix(".txt"))
-    script = LawInFlint(law, page["page"])
+    script = LawInFlint(law.bound, page["page"])
     bits += _GUARD
     with working_precision(bits):
         begins_analytic = _is_analytic_at_rest(point)
