@@ -13,6 +13,7 @@ from stickslip_sym.formula.derivation import Derivation, Step
 from stickslip_sym.formula.limits import Limits
 from stickslip_sym.formula.proof.proving import Verdict
 from stickslip_sym.formula.slope_average import SlopeAverage
+from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.fitting.result import Averaged, ByLaw, Fit, Fits
 from stickslip_sym.model.laws import Catalogue
 from stickslip_sym.model.measured.measurements import Measurements
@@ -38,6 +39,7 @@ __all__ = [
     "Averaged",
     "BasinMap",
     "BasinSweep",
+    "BoundLaw",
     "Budget",
     "ByLaw",
     "Catalogue",

@@ -3,8 +3,6 @@
 import copy
 from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
-from pathlib import Path
-from types import MappingProxyType
 from typing import Any, Self, SupportsFloat
 
 import sympy as sp
@@ -16,23 +14,22 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.core.numbers import Number, exact, require_type, suggestion
 from stickslip_sym.core.remedies import AnySign, Argument, Values
-from stickslip_sym.core.uncertain import UFloat, separated, spread, with_error
+from stickslip_sym.core.uncertain import UFloat, separated, spread
 from stickslip_sym.core.units import in_si
 from stickslip_sym.model import at_rest
 from stickslip_sym.model.bound import BoundLaw
+from stickslip_sym.model.described import DescribedLaw
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.pieces import rate
 from stickslip_sym.model.expression.reading import as_text, read_formula
 from stickslip_sym.model.expression.slope import slope_of
 from stickslip_sym.model.expression.units import check_units
-from stickslip_sym.model.measured.measurements import Measurements, read_measurements
+from stickslip_sym.model.measured.making import MadeOfMeasurements
 from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.model.terms import Term, terms_of
-from stickslip_sym.output import markup, printing
-from stickslip_sym.output.notation import notation_of
 
 
-class FrictionLaw:
+class FrictionLaw(DescribedLaw, MadeOfMeasurements):
     """A velocity-dependent friction coefficient mu(v), v = abs(x' - V) >= 0.
 
     Parameters
@@ -155,93 +152,7 @@ class FrictionLaw:
         law._take(table, described)
         return law
 
-    @classmethod
-    def from_samples(
-        cls,
-        v: Iterable[Number],
-        mu: Iterable[Number],
-        *,
-        extrapolate: bool = False,
-        name: str = "samples",
-        source: str | None = None,
-    ) -> Self:
-        """Return the law through measured points: a piecewise cubic that rises and falls only where they do.
-
-        Parameters
-        ----------
-        v : sequence of 4 to 60 numbers
-            Slip speeds in m/s, ascending, the first one 0 unless `extrapolate`.
-        mu : sequence of as many numbers
-            Coefficients of friction. The first one is mu(0+); a higher static coefficient is no slip speed's.
-        extrapolate : bool
-            Hold the first coefficient down to v = 0, and the last one for all higher speeds. Otherwise
-            speeds beyond the last are errors: a criterion at the belt speed V needs mu up to 2 V.
-        name, source : str, optional
-
-        Warns
-        -----
-        InputWarning
-            If a coefficient is held below the first measured speed.
-
-        References
-        ----------
-        F. N. Fritsch and J. Butland, A method for constructing local monotone piecewise cubic interpolants,
-        SIAM J. Sci. Stat. Comput. 5 (1984), as `scipy.interpolate.PchipInterpolator` has it.
-        """
-        return cls.from_curve(SampledCurve.through(v, mu, extrapolate=extrapolate), name=name, source=source)
-
-    @classmethod
-    def from_csv(
-        cls,
-        path: str | Path | Measurements,
-        *,
-        extrapolate: bool = False,
-        source: str | None = None,
-        name: str | None = None,
-    ) -> Self:
-        """Return the law through the points in a file of measurements, or through what was read of it.
-
-        The file is read as by `read_measurements`; points of one speed are averaged. The law has the file's name
-        unless it is given one. Decimal numbers are taken exactly as they are written. What `from_samples` refuses
-        is refused here.
-        """
-        measured = path if isinstance(path, Measurements) else read_measurements(path)
-        name = name or measured.name or "samples"
-        return cls.from_samples(*measured.points(), extrapolate=extrapolate, name=name, source=source)
-
-    @classmethod
-    def from_curve(cls, curve: SampledCurve, **about: str | None) -> Self:
-        """Return the law that a piecewise cubic is; `about` is its name, source and validity."""
-        law = cls(0, **about)  # type: ignore[arg-type]  # a name is no static coefficient
-        law.expr, law.curve = curve.expr, curve
-        return law
-
     # -- what it is ----------------------------------------------------------------------------------
-
-    @property
-    def text(self) -> str:
-        """The formula as plain text; of measured points, what goes through them."""
-        return printing.text(self.expr) if self.curve is None else str(self.curve)
-
-    @property
-    def parameters(self) -> Mapping[str, Parameter]:
-        """The law's parameters by name; read-only."""
-        return MappingProxyType(self._parameters)
-
-    @property
-    def values(self) -> Mapping[str, Rational]:
-        """The bound values by name, exact; read-only."""
-        return MappingProxyType(self._values)
-
-    @property
-    def uncertain(self) -> Mapping[str, UFloat]:
-        """The bound values that carry a standard error, with it, by name; read-only."""
-        return MappingProxyType(self._uncertain)
-
-    @property
-    def missing(self) -> list[str]:
-        """Names of the parameters that have no value yet."""
-        return [key for key in self._parameters if key not in self._values]
 
     @property
     def terms(self) -> tuple[Term, ...]:
@@ -264,8 +175,7 @@ class FrictionLaw:
         limit = at_rest.symbolic_limit_at_rest(self.expr)
         if limit is sp.nan:
             raise InputError(
-                f"no limit mu(0+) was found for {self._label()}, {printing.text(self.expr)[:60]}; "
-                "give the static coefficient: ",
+                f"no limit mu(0+) was found for {self._label()}, {self.text[:60]}; give the static coefficient: ",
                 Argument("static"),
             )
         return limit
@@ -417,10 +327,7 @@ class FrictionLaw:
         """Return where each smooth piece of mu begins, and mu(v) - mu(0+) on it, as `BoundLaw.rises`."""
         return list(self.kinetic.rises)
 
-    # -- comparing and printing ----------------------------------------------------------------------
-
-    def _label(self) -> str:
-        return f"the law {self.name!r}" if self.name else "the law"
+    # -- comparing ----------------------------------------------------------------------
 
     def _content(self) -> tuple[object, ...]:
         about = self.name, self.source, self.validity, self.curve, spread(self.uncertain)
@@ -442,30 +349,6 @@ class FrictionLaw:
 
     def __hash__(self) -> int:
         return hash(self._content())
-
-    def __repr__(self) -> str:
-        errors = {key: f"+/-{value.std_dev:.2g}" for key, value in self.uncertain.items()}
-        values = ", ".join(f"{key}={float(value):g}{errors.get(key, '')}" for key, value in self._values.items())
-        return f"FrictionLaw({self.name or 'unnamed'}: {self.text}{'; ' + values if values else ''})"
-
-    def _repr_latex_(self) -> str:
-        shown = f"\\mu(v) = {printing.latex(self.expr)}"
-        return f"$\\displaystyle {shown}$" if self.curve is None else f"$\\mu(v)$: {self.text}"
-
-    def _repr_html_(self) -> str:
-        head = self.text if self.curve is not None else markup.formula(f"\\mu(v) = {printing.latex(self.expr)}")
-        static = None if self.static is None else printing.text(self.static)
-        about = {"static coefficient": static, "validity": self.validity, "source": self.source}
-        notes = [f"{kind}: {text}" for kind, text in about.items() if text]
-        names = notation_of(self._parameters)
-        values = {key: f"{float(value):g}" for key, value in self._values.items()}
-        values |= {key: with_error(error.nominal_value, error.std_dev) for key, error in self.uncertain.items()}
-        rows = [
-            [markup.formula(names[key]), values.get(key, ""), of.typical or "", of.unit or "", of.meaning]
-            for key, of in self._parameters.items()
-        ]
-        table = [markup.table(["parameter", "value", "typical", "unit", "meaning"], rows)] if rows else []
-        return markup.block(self.name or "friction law", head, *table, *notes)
 
 
 def _described(parameters: Iterable[Parameter], units: Mapping[str, str] | None) -> dict[str, Parameter]:
