@@ -10,7 +10,7 @@ from typing import Any
 import sympy as sp
 
 from derivations import paper
-from stickslip_sym.core.symbols import N, V, a, b, c, mu, u
+from stickslip_sym.core.symbols import V, a, b, c, mu, u
 from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.proof.theorems import ChangeOfVariable, LinearSolution
 
@@ -51,7 +51,7 @@ def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
         shown=sp.Derivative(S, b),
     )
     solution = LinearSolution([by_a, by_b], [a, b])
-    fit_a = d.equal(
+    d.equal(
         "solve both equations for a",
         "they are linear in a and b",
         a,
@@ -61,25 +61,24 @@ def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
     )
     d.equal("and for b", "likewise", b, printed["(15) b"], label="(15) b", by=solution)
 
-    hessian = sp.hessian(sp.expand((mu(u) + a * u - b) ** 2 * weight), (a, b)).applyfunc(
-        lambda entry: sp.integrate(sp.expand(entry), (u, 0, 2 * V))
-    )
+    by_aa, by_ab, by_ba, by_bb = (sp.Derivative(first, over) for first in (by_a, by_b) for over in (a, b))
     d.positive(
         "the solution is a minimum: the first principal minor of the Hessian",
         "S is a quadratic in a and b whose Hessian does not depend on mu",
-        hessian[0, 0],
+        by_aa,
     )
     d.positive(
         "and the determinant of the Hessian",
         "both minors positive: positive definite, and unique",
-        hessian.det(),
+        by_aa * by_bb - by_ab * by_ba,
     )
     d.equal(
         "put a into (11), c = a N",
         "the pure-slip condition",
-        fit_a * N,
+        printed["(11)"],
         printed["(16)"],
         label="(16)",
+        by=solution,
         shown=c,
     )
     return d

@@ -45,10 +45,16 @@ def exact_point(name: str, V: str, k: str = "100") -> ExactPoint:
     return ExactPoint(law(name), sp.Rational(V), N, m, sp.Rational(k))
 
 
+THEOREMS: dict[tuple[str, str, str], Theorem] = {}
+"""The theorems of this run, by law, belt speed and stiffness."""
+
+
 @cache
 def theorem(name: str, *, V: str = "0.5", k: str = "100", rtol: float = 1e-6) -> Theorem:
     """Prove the threshold at one operating point that has one; collocation says where it lies."""
-    return prove_threshold(exact_point(name, V, k), threshold(name, V=float(V), k=float(k)), _GUESS_ERROR, rtol)
+    guess = threshold(name, V=float(V), k=float(k))
+    THEOREMS[name, V, k] = prove_threshold(exact_point(name, V, k), guess, _GUESS_ERROR, rtol)
+    return THEOREMS[name, V, k]
 
 
 def enclosed(name: str, *, V: str = "0.5", k: str = "100", rtol: float = 1e-6) -> Enclosure:

@@ -13,9 +13,10 @@ from paper_checks.computed import LAWS, law, oscillator
 from paper_checks.figures import FIGURES
 from paper_checks.findings import SHORT, Finding, summary
 from paper_checks.formulas import EQUATIONS
-from paper_checks.proved import theorem
+from paper_checks.proved import THEOREMS, theorem
 from stickslip_sym.comparison.compare import Row
 from stickslip_sym.comparison.tradeoff import SPEEDS, tradeoff
+from stickslip_sym.motion.thresholds.theorem import Theorem
 from stickslip_sym.output.drawing import svg_uri
 from stickslip_sym.output.page.render import now, render, versions
 from stickslip_sym.output.tables import duration
@@ -66,7 +67,15 @@ def write(folder: Path, findings: Sequence[Finding]) -> Path:
 def certificates() -> dict[str, str]:
     """Return scripts that prove equations and thresholds without this package, by the files that hold them."""
     scripts = {f"certificates/{path.name}": path.read_text(encoding="utf-8") for path in _PROOFS.glob("*.py")}
-    return scripts | {f"certificates/{name}_threshold.py": theorem(name).certificate() for name in LAWS}
+    return scripts | {file: proof.certificate() for file, proof in _theorems().items()}
+
+
+def _theorems() -> dict[str, Theorem]:
+    """Return those of the table of methods, and of the claims of this run, by the files that prove them."""
+    for name in LAWS:
+        theorem(name)
+    points = {f"{name}_V{V}_k{k}": proof for (name, V, k), proof in sorted(THEOREMS.items())}
+    return {f"certificates/{point}.py": proof for point, proof in points.items()}
 
 
 def page(report: Report) -> str:
@@ -80,7 +89,7 @@ def page(report: Report) -> str:
         columns=("", "claim", "paper", "ours", "difference", "verdict"),
         groups={"E": "Equations", "N": "Numbers", "F": "Figures", "S": "Statements"},
         signs=_SIGNS, short=SHORT, css=lambda outcome: SHORT[outcome].replace(" ", "-"),
-        certified=_CERTIFIED, sentence=_sentence, duration=duration,
+        certified=_CERTIFIED, theorems=_theorems(), sentence=_sentence, duration=duration,
     )  # fmt: skip
 
 

@@ -30,10 +30,9 @@ def by_series(name, g, equation, rest, q, count, y, functions, roots, m):
     equation. It fixes y_n for n >= count: power series that satisfy it, and agree below V^count, are equal. Both
     sides are analytic for V > 0, where they are equal then too.
     """
-    gap = sum(a * sp.diff(g, v, i) for i, a in enumerate(equation)) - rest
+    order, gap = len(equation) - 1, sum(a * sp.diff(g, v, i) for i, a in enumerate(equation)) - rest
     assert vanishes(gap), f"{name}: the differential equation of the profile"
     # It takes v^n to sum_k p_k(n) v^(n+k+low-order): sum_k p_k(n - k) g_(n-k) = 0 but for the powers in the rest
-    order = len(equation) - 1
     (low,), p = sp.Poly(sum(a * sp.ff(n, i) * v ** (order - i) for i, a in enumerate(equation)), v).terms_gcd()
     # So is sum_k q_k(n - k) y_(n-k), if each q_k(n - k) b_(n-k) is to p_k(n - k) as q_0(n) b_n is to p_0(n)
     for k, q_k in enumerate(q):
@@ -46,13 +45,15 @@ def by_series(name, g, equation, rest, q, count, y, functions, roots, m):
     assert fixes * count > max(len(q) - 1, p.degree(), order - low + sp.degree(rest, v)), f"{name}: what it fixes"
     # With theta = V d/dV it says that sum_k V^k q_k(theta) y is a polynomial below V^count
     squares, powers = [root**2 - square for root, square in roots.items()], [y]
+    rules = [y, *squares, *(rule for _, rule, _ in functions.values())]
+    assert all(sp.sympify(rule).is_polynomial(*functions) for rule in rules), f"{name}: what is no polynomial"
     for _ in range(max(sp.degree(q_k, n) for q_k in q)):
         slope = sp.diff(powers[-1], V) + sum(sp.diff(powers[-1], x) * f[1] for x, f in functions.items())
         powers.append(sp.reduced(V * slope, squares, *functions, order="grevlex")[1])
     left = sum(V**k * a * powers[i] for k, q_k in enumerate(q) for (i,), a in sp.Poly(q_k, n).terms())
     left = sp.cancel(sp.reduced(left, squares, *functions, order="grevlex")[1])
-    polynomial = left.is_polynomial(V) and not left.has(*functions)
-    assert sp.degree(left, V) < count if polynomial else False, f"{name}: the operator"
+    degree = sp.degree(left, V) if left.is_polynomial(V) and not left.has(*functions) else count
+    assert degree < count, f"{name}: the operator"
     # With the first terms of the functions, and a symbol times V^m for the rest of each, y begins as it must
     starts = {x: begin + V**m * Symbol(f"rest_{x}") for x, (_, _, begin) in functions.items()}
     series = sum(b.subs(n, j) * sp.diff(g, v, j).subs(v, 0) / sp.factorial(j) * V**j for j in range(1, count))
@@ -60,8 +61,7 @@ def by_series(name, g, equation, rest, q, count, y, functions, roots, m):
     assert all(vanishes(a) for (i,), a in top.terms() if i < count + min(below.monoms())[0]), f"{name}: the start"
     meanings = {x: function for x, (function, _, _) in functions.items()}
     for x, (function, rule, begin) in functions.items():
-        gaps = [sp.diff(function, V) - sp.sympify(rule).subs(meanings)]
-        gaps += [(x**2 - roots[x]).subs(meanings)] if x in roots else []
+        gaps = [sp.diff(function, V) - sp.sympify(rule).subs(meanings), (x**2 - roots.get(x, x**2)).subs(meanings)]
         assert all(abs(at(0, gap)) < 1e-25 for gap in gaps), f"{name}: the derivative, or the square, of {x}"
         rest = at(0, (function - begin).subs(V, Rational(1, 10**8)))
         assert abs(rest) < 10 ** (4 - 8 * m), f"{name}: the first terms of {x}"
@@ -86,8 +86,7 @@ mu = mu_m + (mu_s - mu_m) * exp(-alpha * v)
 # first-harmonic energy balance at velocity amplitude V; for the polynomial law Thomsen & Fidlin 2003
 w = 2 * sqrt(1 - s**2) / pi
 c = 2 * N * (mu_s - mu_m) * exp(-V * alpha) * besseli(1, V * alpha) / V
-# By parts, with v = V (1 - cos(theta)): c = N integral of mu K over 0 <= theta <= pi
-K = 2 * cos(theta) / (pi * V)
+K = 2 * cos(theta) / (pi * V)  # by parts, with v = V (1 - cos(theta)): c = N int_0^pi mu K dtheta
 assert abs(at(0, K - sp.diff(w, s).subs(s, -cos(theta)) * sin(theta) / V)) < 1e-25, "the kernel"
 # The moments b_n = n <(1 + s)^(n - 1)>, as integrals of powers: DLMF 5.12
 b = 2 ** (n + 2) * n * gamma(n + Rational(1, 2)) / (2 * sqrt(pi) * gamma(n + 2))

@@ -17,6 +17,11 @@ def vanishes(expr):
     return sp.expand(sp.powsimp(sp.expand(sp.fraction(sp.together(expr))[0]))) == 0
 
 
+def rise(A, low, high):
+    """Return what an antiderivative rises by between two speeds."""
+    return A.subs(v, high) - A.subs(v, low)
+
+
 def at(i, expr, free=None):
     """Return an expression at the i-th of many points: with numbers for its symbols, but for the one left free."""
     numbers = {x: Rational(random.Random(f"{i} {x}").randint(500, 1500), 1000) for x in expr.free_symbols - {free}}
@@ -41,14 +46,13 @@ mu = mu_m + (mu_s - mu_m) * exp(-alpha * v)
 # Won & Chung 2016, eq. (16), integrated by parts
 w = Rational(5, 8) - 5 * s**4 / 8
 c = 5 * N * (mu_s - mu_m) * (V**3 * alpha**3 - 3 * V**2 * alpha**2 + 6 * V * alpha + (V**3 * alpha**3 + 3 * V**2 * alpha**2 + 6 * V * alpha + 6) * exp(-2 * V * alpha) - 6) / (2 * V**5 * alpha**4)  # fmt: skip  # noqa: E501
-# By parts, with v = V (1 + s): c = N integral of mu K over 0 <= v <= 2 V
-K = -5 * (v - V) ** 3 / (2 * V**5)
+K = -5 * (v - V) ** 3 / (2 * V**5)  # by parts, with v = V (1 + s): c = N int_0^2V mu K dv
 assert vanishes(K - sp.diff(w, s).subs(s, v / V - 1) / V**2), "the kernel"
 assert sp.integrate(w, (s, -1, 1)) == 1, "the weight is an average"
 g1 = exp(-v)  # in units of its scale; F1(V) = -<g'(V (1 + s))>
 A1_0 = 5 * (v - V) ** 3 * exp(-v) / (2 * V**5) + 15 * (v - V) ** 2 * exp(-v) / (2 * V**5) + 15 * (v - V) * exp(-v) / V**5 + 15 * exp(-v) / V**5  # fmt: skip  # noqa: E501
 assert vanishes(sp.diff(A1_0, v) - g1 * K), "A1_0: the derivative of the antiderivative"
-F1 = A1_0.subs(v, 2 * V) - A1_0.subs(v, 0)
+F1 = rise(A1_0, 0, 2 * V)
 # The law is a sum of terms a g(v/b), which add N a/b F(V/b) each: criteria are linear, and scale
 law = mu_m + (mu_s - mu_m) * g1.subs(v, alpha * v)
 assert vanishes(mu - law), "the split of the law into terms"

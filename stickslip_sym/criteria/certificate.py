@@ -16,6 +16,7 @@ from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model import in_flint
 from stickslip_sym.model.in_flint import WIDTH, LawInFlint
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.output import printing
 from stickslip_sym.output.script import imported, sections
 
 _GUARD = 64  # bits beyond those of the enclosure
@@ -37,7 +38,7 @@ def certificate(
             "the closed form, where there is one, is proved by ",
             Call("derive(law).certificate()", "export LAW --certificate FILE.py"),
         )
-    script = LawInFlint(law.kinetic, "".join(page.values()))
+    script = LawInFlint(law.kinetic, "".join(page.values()), with_series=False)
     if criterion.weight is None:
         sides = _at_the_belt_s_speed(script, V)
         kind, definition = "equilibrium", "c = -N mu'(V)"
@@ -45,14 +46,22 @@ def certificate(
         pieces = script.functions_of_v("SLOPES", "mu' at the belt's speed, on both sides of a kink", slopes)
         fields = {"slopes": f"sum(acb(slope(acb(V))) for slope in SLOPES) / {len(sides)}"}
     else:
-        ends = [end for end, speed in zip(script.ends, script.starts[1:], strict=False) if speed < 2 * V]
-        fields = {"kinks": in_flint.listed([*map(str, ends), "2 * V"], WIDTH - 40)}
-        definition = f"c = -N int_-1^1 w(s) mu'(V (1 + s)) ds, w(s) = {criterion.weight}"
-        kind, pieces = "harmonic", script.functions_of_v("MU", "the smooth pieces of mu", script.pieces)
-        if criterion.is_polynomial:
-            kind = "polynomial"
-            weights = {"weight": criterion.weight, "slope": sp.diff(criterion.weight, symbols.s)}
-            fields |= {name: script.text(weight) for name, weight in weights.items()}
+        kinks = [end for end, speed in zip(script.ends, script.starts[1:], strict=False) if speed < 2 * V]
+        kind = "polynomial" if criterion.is_polynomial else "harmonic"
+        ends = [*kinks, "2 * V"]
+        if kind == "harmonic":
+            ends = [*(f"({kink} / (2 * V)).sqrt().asin()" for kink in kinks), "arb.pi() / 2"]
+        definition = f"c = -N int_-1^1 w(s) mu'(V (1 + s)) ds, w(s) = {printing.text(criterion.weight)}"
+        pieces = script.functions_of_v("MU", "the smooth pieces of mu", script.pieces[: len(ends)])
+        fields = {"ends": in_flint.listed(ends, WIDTH - 40), "boundary": "", "factor": "4 * N / (arb.pi() * V)"}
+        if kind == "polynomial":
+            slope = sp.factor(sp.diff(criterion.weight, symbols.s))
+            fields |= {
+                "slope": script.text(slope),
+                "factor": "N / (V * V)",
+                "boundary": _boundary(script, criterion),
+            }
+        page[kind] += page["sum"]
     lines = textwrap.wrap(f"    mu(v) = {law.text},", WIDTH, subsequent_indent=" " * 8)
     text = Template(page["page"]).safe_substitute(
         name=criterion.name,
@@ -64,7 +73,7 @@ def certificate(
         low=_dyadic(low),
         high=_dyadic(high),
         pieces=pieces,
-        body=Template(page[kind].strip()).substitute(fields),
+        body=Template(page[kind].rstrip()).substitute(fields),
         functions=script.functions,
         shown=shown,
     )
@@ -76,6 +85,13 @@ def _at_the_belt_s_speed(script: LawInFlint, V: Rational) -> list[Expr]:
     """Return the piece of mu at the belt's speed; at a kink both pieces that meet there."""
     last = max(i for i, start in enumerate(script.starts) if start <= V)
     return script.pieces[last - (script.starts[last] == V) : last + 1]
+
+
+def _boundary(script: LawInFlint, criterion: Criterion) -> str:
+    """Return what integration by parts leaves at v = 0 and at 2 V, where the weight is not 0."""
+    ends = zip(criterion.ends, ("MU[0](arb(0))", "-MU[-1](2 * V)"), strict=True)
+    terms = [f"{mu} * V * {script.text(weight)}" for weight, mu in ends if weight != 0]
+    return "".join(f"c += {term}\n" for term in terms)
 
 
 def _dyadic(end: Fraction) -> str:

@@ -26,7 +26,7 @@ from stickslip_sym.formula.proof.theorems import PieceByPiece, value_at
 from stickslip_sym.model.expression.pieces import places
 from stickslip_sym.output import printing
 from stickslip_sym.output.python_printer import WIDTH, assignment, code, formatted, imports, line
-from stickslip_sym.output.script import SafeNames, sections
+from stickslip_sym.output.script import SafeNames, chosen, sections
 
 if TYPE_CHECKING:
     from stickslip_sym.formula.closed_form import ClosedForm
@@ -52,16 +52,10 @@ def certificate(forms: "Sequence[ClosedForm]") -> str:
     needed = set(named)
     for name, text in reversed(sections(_PAGE).items()):  # each needs those before it only
         if name in needed:
-            helpers.insert(0, _chosen(text.rstrip(), named))
+            helpers.insert(0, chosen(text.rstrip(), named))
             needed |= set(re.findall(r"\w+", helpers[0]))
     body = "\n\n\n".join([*helpers, "\n\n".join(texts)])
     return f"{_title(forms)}\n{imports(body)}\n\n{body}\n"
-
-
-def _chosen(text: str, named: set[str]) -> str:
-    """Return a function without the lines for what a script has none of, which say so: ``# if Min Max``."""
-    lines = [line.partition("  # if ") for line in text.splitlines()]
-    return "\n".join(line for line, _, names in lines if not names or named & set(names.split()))
 
 
 def _title(forms: "Sequence[ClosedForm]") -> str:
@@ -176,13 +170,12 @@ class _Section:
         if criterion.weight is None:
             return
         if criterion.is_polynomial:
-            yield "# By parts, with v = V (1 + s): c = N integral of mu K over 0 <= v <= 2 V"
-            yield self.let("K", criterion.kernel)
+            yield from self._said("K", criterion.kernel, "by parts, with v = V (1 + s): c = N int_0^2V mu K dv")
             yield 'assert vanishes(K - sp.diff(w, s).subs(s, v / V - 1) / V**2), "the kernel"'
             yield 'assert sp.integrate(w, (s, -1, 1)) == 1, "the weight is an average"'
         else:
-            yield "# By parts, with v = V (1 - cos(theta)): c = N integral of mu K over 0 <= theta <= pi"
-            yield self.let("K", criterion.angle_kernel)
+            by_parts = "by parts, with v = V (1 - cos(theta)): c = N int_0^pi mu K dtheta"
+            yield from self._said("K", criterion.angle_kernel, by_parts)
             slope = "sp.diff(w, s).subs(s, -cos(theta))"
             yield f'assert abs(at(0, K - {slope} * sin(theta) / V)) < 1e-25, "the kernel"'
         if self.series:
@@ -231,17 +224,15 @@ class _Section:
                 piece = f"sp.piecewise_fold({piece}).args[{i}].expr"
             yield self.let(A, f"sp.sympify({self.code(found)})" if found.is_number else found)
             yield f'assert vanishes(sp.diff({A}, v) - {piece} * K), "{A}: the derivative of the antiderivative"'
-            upper, lower = (self._end(A, found, end) for end in (high, low))
-            terms.append(f"{upper} - {lower}")
+            terms.append(self._rise(A, found, low, high))
         ends = f" + {self.code(boundary)}" if boundary != 0 else ""
         yield self.let(f"F{label}", f"{' + '.join(terms)}{ends}")
 
-    def _end(self, name: str, primitive: Expr, end: Expr) -> str:
-        """Return an antiderivative at an end in code; at 0 its limit, where powers outweigh logarithms."""
-        value = primitive.subs(symbols.v, end)
-        if not value.has(sp.zoo, sp.oo, sp.nan):
-            return f"{name}.subs(v, {self.code(end)})"
-        return f"({self.code(value_at(primitive, symbols.v, end))})"
+    def _rise(self, name: str, primitive: Expr, low: Expr, high: Expr) -> str:
+        """Return what an antiderivative rises by in code, from its limit at 0: powers outweigh logarithms."""
+        if not primitive.subs(symbols.v, low).has(sp.zoo, sp.oo, sp.nan):
+            return f"rise({name}, {self.code(low)}, {self.code(high)})"
+        return f"{name}.subs(v, {self.code(high)}) - ({self.code(value_at(primitive, symbols.v, low))})"
 
     def _part(self, label: str, average: Average, profile: Expr) -> Iterator[str]:
         if len(average.steps) > 1:
@@ -262,8 +253,8 @@ class _Section:
             (p,) = (node.exp for node in by.term.atoms(sp.Pow))
             yield self.let(f"F{label}", average._in_shapes(by.constant * by.value))
             moment = self.code(average._in_shapes(by.constant * symbols.V ** (p - 1)))
-            yield f"moment = sp.gammasimp(sp.powsimp(F{label} / (b.subs(n, {self.code(p)}) * {moment})))"
-            yield f'assert moment == -1, "F{label}: the moment"'
+            ratio = f"sp.gammasimp(sp.powsimp(F{label} / (b.subs(n, {self.code(p)}) * {moment})))"
+            yield line(f'assert {ratio} == -1, "F{label}: the moment"')
             return
         yield from self._by_series(average, by, proof, label)
 
@@ -304,11 +295,13 @@ class _Section:
         if len(fresh) == len(self.functions):
             yield "functions, roots = {}, {}  # of V: what each is, its derivative, its first terms at V = 0"
         yield from self.declare(*fresh)
+        symbols_of = series.keys() & {one.symbol for one in fresh.values()}
+        self.known = min([self.known, *(series[symbol].known for symbol in symbols_of)])
         for x, (symbol, meaning, slope, square) in fresh.items():
             start = meaning
             if (own := series.get(symbol)) is not None:
-                terms = [algebra.by_names(c) * V ** (own.order + i) for i, c in enumerate(own.coefficients)]
-                start, self.known = sp.Add(*terms), min(self.known, own.known)
+                powers = enumerate(own.coefficients, own.order)
+                start = sp.Add(*[algebra.by_names(c) * V**i for i, c in powers if i < self.known])
             entry = [average._in_shapes(part) for part in (meaning, slope or sp.S.Zero, start)]
             yield self.let(f"functions[{x}]", ", ".join(map(self.code, entry))) + _source(meaning)
             if square is not None:
@@ -411,8 +404,8 @@ class _Section:
             if self.criterion.weight is not None:
                 mean = f"sp.Integral(w * (1 + s) ** ({p}), (s, -1, 1)) * "
             yield from self._said(name, limit, f"as {moves}, mu' is like v^p, its average like V^p <(1 + s)^p>")
-            yield self.let("like", f"-{mean}{slope} / ({speed}) ** ({p})")
-            yield f"assert abs(at(0, {name}.subs(V, 1) / like) - 1) < 1e-25, {message}"
+            yield self.let("like", f"-{mean}{slope} * (V / {speed}) ** ({p})")
+            yield f"assert abs(at(0, {name} / like) - 1) < 1e-25, {message}"
 
     def _said(self, name: str, value: Expr | str, comment: str) -> Iterator[str]:
         """State a value with a comment behind it, or above where that is too long."""

@@ -38,7 +38,8 @@ class Step:
     by : By, optional
         The theorem by which it was proved, with all that checking it takes.
     lhs : sympy.Expr, optional
-        What was proved equal to the right side, where `statement` gives it a name.
+        What was proved equal to the right side, where `statement` gives it a name; what was proved positive, its
+        derivatives not carried out.
     """
 
     reported = ("operation", "reason", "statement", "verdict", "label")
@@ -96,9 +97,10 @@ class Derivation:
         return rhs
 
     def positive(self, operation: str, reason: str, expr: Expr, *, label: str = "") -> None:
-        """Add the step expr > 0, and prove or refute it."""
-        statement = sp.Gt(expr, 0, evaluate=False)
-        self.steps.append(Step(operation, reason, statement, prove_positive(expr), label))
+        """Add the step expr > 0 with its derivatives carried out, and prove or refute it."""
+        value = expr.replace(sp.Derivative, sp.diff)
+        statement = sp.Gt(value, 0, evaluate=False)
+        self.steps.append(Step(operation, reason, statement, prove_positive(value), label, lhs=expr))
 
     @property
     def status(self) -> Status:

@@ -4,6 +4,7 @@ What is printed is what was proved: the sides of each step, and the data of its 
 """
 
 import json
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from textwrap import fill
@@ -40,7 +41,7 @@ def certificate(derivation: Derivation) -> str:
     sides = [side for step in derivation.steps for side in (_left(step), step.statement.rhs)]
     functions = sorted({node.func for side in sides for node in side.atoms(AppliedUndef)}, key=str)
     page = _PAGE.read_text(encoding="utf-8").strip()
-    safe = SafeNames(" ".join(["sp left right split vanishes solution", *map(str, functions)]))
+    safe = SafeNames(" ".join(["sp left split vanishes solution", *map(str, functions)]), r"right_\d+")
     images = [step.by.image for step in derivation.steps if isinstance(step.by, ChangeOfVariable)]
     symbols = sorted(set().union(*(side.atoms(sp.Symbol) for side in [*sides, *images])), key=str)
     names = {x: safe.new(x.name) for x in symbols}
@@ -64,14 +65,22 @@ def _lines(derivation: Derivation, functions: Sequence[Expr], names: dict[Expr, 
         yield f'{", ".join(group)} = {maker}("{" ".join(group)}", {kind}=True)'
     for function in functions:
         yield f'{function} = sp.Function("{function}", real=True)  # any function'
-    solved = None
+    solved, rights = None, dict[str, str]()  # right sides, and their names
+
+    def text(expr: Expr) -> str:
+        """Return an expression in code, earlier right sides in it by their names."""
+        written = code(expr, names)
+        for right, name in rights.items():
+            written = re.sub(rf"(?<![^(\[ ])(?<![-+*/] ){re.escape(right)}(?=[,)\]]|$)", name, written)
+        return written
+
     for number, step in enumerate(derivation.steps, 1):
         yield ""
         yield from (
             f"# {text}" for text in fill(f"{number}. {step.operation}: {step.reason}", WIDTH - 2).split("\n")
         )
         message = json.dumps(" ".join([f"step {number}", *([step.label] if step.label else [])]))
-        yield assignment("left", code(_left(step), names))
+        yield assignment("left", text(_left(step)))
         if isinstance(step.statement, sp.Gt):
             yield f"assert sp.factor(left).is_positive, {message}"
             continue
@@ -81,11 +90,12 @@ def _lines(derivation: Derivation, functions: Sequence[Expr], names: dict[Expr, 
         elif isinstance(step.by, LinearSolution):
             unknowns = ", ".join(names[x] for x in step.by.unknowns)
             if step.by is not solved:
-                equations = ", ".join(code(equation, names) for equation in step.by.equations)
+                equations = ", ".join(map(text, step.by.equations))
                 yield line(f"(solution,) = sp.linsolve([{equations}], [{unknowns}])")
             solved = step.by
             yield f"left = left.subs(dict(zip([{unknowns}], solution, strict=True)), simultaneous=True)"
-        yield assignment("right", code(step.statement.rhs, names))
-        yield f"assert vanishes(left - right), {message}"
+        yield assignment(right := f"right_{number}", text(step.statement.rhs))
+        yield f"assert vanishes(left - {right}), {message}"
+        rights[code(step.statement.rhs, names)] = right
     yield ""
     yield line(f"print({json.dumps(f'proved: {derivation.title}')})")

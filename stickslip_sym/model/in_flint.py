@@ -4,7 +4,7 @@ What is written takes balls and power series alike. `in_flint.txt` has the funct
 """
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from functools import cached_property
 from pathlib import Path
 
@@ -21,26 +21,33 @@ from stickslip_sym.output.script import SafeNames, sections
 
 WIDTH = 115  # of a line
 _VARIABLES = {symbols.v: "v", symbols.s: "s"}
-_NEEDS = {"asinh": ("exp", "log"), "power": ("exp", "log"), "cosh": ("exp",), "coth": ("exp",), "sech": ("exp",),
-          "sinh": ("exp",), "tanh": ("exp",)}  # fmt: skip
+_NEEDS = {"asinh": ("log",)}
+_METHODS = {"exp", "sin", "cos", "tan", "erf"}  # of balls, and of power series
+_OF_BALLS = {"cosh", "coth", "sech", "sinh", "tanh"}  # of balls only
+_PRODUCT = 3  # up to which power a name is multiplied by itself
 
 
 class LawInFlint:
-    """A law for a script none of whose names is taken."""
+    """A law for a script none of whose names is taken. Without series, what is written takes balls only."""
 
-    def __init__(self, law: BoundLaw, script: str) -> None:
+    def __init__(self, law: BoundLaw, script: str, *, with_series: bool = True) -> None:
         self._law, self._rows = law, sections(Path(__file__).with_suffix(".txt"))
         names = SafeNames(" ".join([script, *self._rows]))
         self._names = {symbol: names.new(symbol.name) for symbol, _ in law.values}
-        self._printer = _Flint(self._names)
+        self._printer = _Flint(self._names, _METHODS if with_series else _METHODS | _OF_BALLS)
         self.starts = [start for start, _ in law.segments]
 
     @property
     def parameters(self) -> str:
-        """Assignments of the law's values, on one line or, where that is too long, on one each."""
-        values = {self._names[symbol]: number(value) for symbol, value in self._law.values}
-        line = f"{', '.join(values)} = {', '.join(values.values())}" if values else ""
-        return line if len(line) <= WIDTH else "\n".join(f"{name} = {text}" for name, text in values.items())
+        """Assignments of the law's values, as many on a line as it holds."""
+        lines: list[list[tuple[str, str]]] = []
+        for symbol, value in self._law.values:
+            pair = self._names[symbol], number(value)
+            if lines and len(_assigned([*lines[-1], pair])) <= WIDTH:
+                lines[-1].append(pair)
+            else:
+                lines.append([pair])
+        return "\n".join(map(_assigned, lines))
 
     @property
     def pieces(self) -> list[Expr]:
@@ -92,6 +99,10 @@ class LawInFlint:
         return text
 
 
+def _assigned(pairs: Iterable[tuple[str, str]]) -> str:
+    return " = ".join(map(", ".join, zip(*pairs, strict=True)))
+
+
 def number(value: Rational) -> str:
     """Return an exact rational as a ball."""
     return f"arb({value})" if value.is_Integer else f"arb(fmpq({value.p}, {value.q}))"
@@ -106,9 +117,9 @@ def listed(items: Sequence[str], width: int = WIDTH) -> str:
 class _Flint(StrPrinter):  # type: ignore[misc]  # SymPy is untyped
     """Expressions of balls; `used` are the functions of the page that they call."""
 
-    def __init__(self, names: Mapping[Expr, str]) -> None:
+    def __init__(self, names: Mapping[Expr, str], methods: Set[str]) -> None:
         super().__init__()
-        self.names, self.used = names, set[str]()
+        self.names, self.methods, self.used = names, methods, set[str]()
 
     def doprint(self, expr: Expr) -> str:
         """Return an expression with its operators parted by blanks."""
@@ -129,11 +140,13 @@ class _Flint(StrPrinter):  # type: ignore[misc]  # SymPy is untyped
 
     def _print_Exp1(self, expr: Expr) -> str:
         del expr
-        return self._call("exp", "arb(1)")
+        return "arb(1).exp()"
 
     def _print_Function(self, expr: Expr) -> str:
         arguments = [number(part) if part.is_Rational else self.doprint(part) for part in expr.args]
-        return self._call(type(expr).__name__, *arguments)
+        if (name := type(expr).__name__) in self.methods:
+            return f"{arguments[0] if expr.args[0].is_Atom else f'({arguments[0]})'}.{name}()"
+        return self._call(name, *arguments)
 
     def _print_Pow(self, expr: Expr, rational: bool = False) -> str:
         del rational
@@ -142,6 +155,8 @@ class _Flint(StrPrinter):  # type: ignore[misc]  # SymPy is untyped
         if expr.exp == -1:
             return f"1/({self.doprint(expr.base)})"
         base = number(expr.base) if expr.base.is_Rational else self.doprint(expr.base)
+        if expr.base.is_Symbol and expr.exp.is_Integer and 1 < expr.exp <= _PRODUCT:
+            return f"({' * '.join([base] * int(expr.exp))})"
         return self._call("whole" if expr.exp.is_Integer else "power", base, self.doprint(expr.exp))
 
     def _print_NumberPower(self, expr: Expr) -> str:

@@ -13,6 +13,12 @@ def sections(page: Path) -> dict[str, str]:
     return dict(part.split("\n", 1) for part in parts)
 
 
+def chosen(text: str, names: set[str]) -> str:
+    """Return text without the lines for what a script has none of, which say so: ``# if Min Max``."""
+    lines = [line.partition("  # if ") for line in text.splitlines()]
+    return "\n".join(line for line, _, needed in lines if not needed or names & set(needed.split()))
+
+
 def imported(script: str, names: Iterable[str]) -> str:
     """Return those of some names, parted by commas, that a script uses."""
     return ", ".join(name for name in names if re.search(rf"\b{name}\b", script))

@@ -32,6 +32,7 @@ CHANGED = {
     "limit of V": ("at_rest = ", "far = ", "like = "),
 }
 """What may be changed, by what its lines begin with."""
+OPPOSITE = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
 
 
 def outcome(script):
@@ -45,18 +46,22 @@ def outcome(script):
     return stream.getvalue().strip()
 
 
-def changed(line, rng, with_signs):
-    """Return a line with another sign, or another number, at a random place; the same line where it has none."""
+def changed(line, rng):
+    """Return a line with another sign, number or operation at a random place; the same line where it has none."""
     tree = ast.parse(line)
     value = tree.body[0].value
     nodes = list(ast.walk(value))
-    signs = [node for node in nodes if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub)]
+    operations = [node for node in nodes if isinstance(node, ast.BinOp) and type(node.op) in OPPOSITE]
+    signs = [node for node in nodes if isinstance(node, ast.UnaryOp)]
     numbers = [node for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, int)]
-    if not signs * with_signs + numbers:
+    kinds = [kind for kind in (operations, signs, numbers) if kind]
+    if not kinds:
         return line
-    node = rng.choice(signs * with_signs + numbers)
+    node = rng.choice(rng.choice(kinds))
     if isinstance(node, ast.BinOp):
-        node.op = ast.Sub() if isinstance(node.op, ast.Add) else ast.Add()
+        node.op = OPPOSITE[type(node.op)]()
+    elif isinstance(node, ast.UnaryOp):
+        node.op = ast.UAdd()
     else:
         node.value += 1
     return ast.unparse(tree)
@@ -68,14 +73,14 @@ def mutants(script, kind, count, rng):
     start = next(i for i, line in enumerate(lines) if line.startswith("# -- "))
     places = [
         i for i, line in enumerate(lines)
-        if i > start and line.startswith(CHANGED[kind]) and (kind != "limit" or ".subs(v" in line)
+        if i > start and line.startswith(CHANGED[kind]) and (kind != "limit" or "rise(" in line)
     ]  # fmt: skip
     found = set()
     for _ in range(20 * count):
         if not places or len(found) == count:
             break
         i = rng.choice(places)
-        new = changed(lines[i], rng, kind != "limit")  # A(0) may be 0
+        new = changed(lines[i], rng)
         if new != lines[i] and ast.dump(ast.parse(new)) != ast.dump(ast.parse(lines[i])):
             found.add("\n".join([*lines[:i], new, *lines[i + 1 :]]))
     return sorted(found)

@@ -112,7 +112,9 @@ def test_the_linearisation_leaves_with_its_proof():
     assert (pages / "least_squares.py").read_text(encoding="utf-8") == page
     for right, wrong, step in (
         ("(V - u, u))", "(V + u, u))", "step 1 (13)"),
-        ("right = 5 *", "right = -5 *", "(15) a"),
+        ("right_4 = 5 *", "right_4 = -5 *", "(15) a"),
+        ("right_8 = 5 *", "right_8 = 10 *", "(16)"),
+        ("sp.diff(right_2, a)", "-sp.diff(right_2, a)", "step 6"),
     ):
         assert right in page
         with pytest.raises(AssertionError, match=re.escape(step)):

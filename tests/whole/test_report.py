@@ -19,6 +19,7 @@ from paper_checks import wording
 from paper_checks.claims import CLAIMS, Outcome
 from paper_checks.figures import FIGURES
 from paper_checks.findings import Finding
+from paper_checks.proved import theorem
 from paper_checks.report import Report, as_json, certificates
 from paper_checks.report import page as page_of
 from paper_checks.terminal import verdicts
@@ -85,9 +86,11 @@ def test_the_page_and_the_numbers_of_a_report():
     pictures = {figure.number: "data:," for figure in FIGURES}
     report = Report(findings, pictures, {"exponential": tuple(rows)}, versions(), "now")
     check_json(json.loads(json.dumps(as_json(report), allow_nan=False)))
+    theorem("polynomial", V="1", rtol=1e-3)  # as a claim would take it
     page = page_of(report)
     linked = set(re.findall(r'href="(certificates/[^"]*)"', page))
-    assert {"certificates/least_squares.py", "certificates/exponential_threshold.py"} < linked
+    assert {"certificates/least_squares.py", "certificates/exponential_V0.5_k100.py"} < linked
+    assert "certificates/polynomial_V1_k100.py" in linked
     assert all("proved: " in certificates()[name] for name in linked)
     check_well_formed(page)
     check_complete(page)

@@ -4,7 +4,6 @@ The page `certificate.txt` follows the slip from P as `boxes` does, in one piece
 operating point, both dampings, and what the theorem says of them in words are put in.
 """
 
-import json
 import textwrap
 from fractions import Fraction
 from pathlib import Path
@@ -17,7 +16,7 @@ from stickslip_sym.core.precision import working_precision
 from stickslip_sym.model import in_flint
 from stickslip_sym.model.in_flint import WIDTH, LawInFlint
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Undecided, flow
-from stickslip_sym.output.script import sections
+from stickslip_sym.output.script import chosen, sections
 
 _GUARD = 32  # bits beyond those of the proof, whose boxes are a little narrower
 
@@ -54,8 +53,8 @@ def certificate(
                "not returns(c_high)": "c_high: the slip returns"}  # fmt: skip
     if is_undamped:
         decided["returns(0)"] = "c = 0: it was not shown that the slip returns"
-    proved = textwrap.wrap(f"proved: {statement}", WIDTH - 10, drop_whitespace=False)
-    return Template(page["page"]).substitute(
+    kind = "kinks" if script.ends else "smooth"
+    return Template(chosen(page["page"], {kind}) + "\n").substitute(
         law=textwrap.fill(f"mu(v) = {law.text}, v = V - x'", WIDTH - 4, subsequent_indent=" " * 8),
         statement=textwrap.fill(f"Theorem. {statement}", WIDTH),
         conditions=textwrap.fill(f"Conditions. {'; '.join(conditions)}.", WIDTH),
@@ -73,7 +72,6 @@ def certificate(
         fallen="" if begins_analytic else page["fallen"],
         rough="" if begins_analytic else "".join(f"{page[name].strip()}\n\n\n" for name in ("first", "falls")),
         decisions="\n".join(f'assert {decision}, "{word}"' for decision, word in decided.items()),
-        proved="\n".join(f"    {json.dumps(line)}" for line in proved),
     )
 
 
