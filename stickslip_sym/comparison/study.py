@@ -437,6 +437,7 @@ def study(
     friction = fit.law.bind(**fit.uncertain) if fit is not None else as_law(law)
     friction.require_values()
     carried = carried_by(osc, errors or {})
+    friction.require_speed(osc.V)
     limit = require_seconds(time_limit)
     seconds = _EACH if limit is None else limit
     subject = _Subject(friction, osc, carried, law if isinstance(law, Fits) else None, seconds)

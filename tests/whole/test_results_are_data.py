@@ -1,12 +1,20 @@
-"""Results are data: what a notebook or a log shows of them takes no integration."""
+"""Results are data: what a notebook or a log shows of them computes nothing, and neither does a comparison."""
 
+import copy
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import stickslip_sym as ss
+from stickslip_sym.formula.average import Average
+from stickslip_sym.formula.slope_average import SlopeAverage
+from stickslip_sym.model import law
+from stickslip_sym.model.fitting import least_squares
 from stickslip_sym.motion import slip
-from stickslip_sym.motion.orbits import needed
+from stickslip_sym.motion.maps import basins
+from stickslip_sym.motion.orbits import needed, orbit
+from stickslip_sym.motion.thresholds import methods
 
 LAW = ss.laws.exponential.typical()
 OSC = ss.Oscillator(m=1, k=100, c=2.3, V=0.5, N=9.81)
@@ -15,7 +23,7 @@ BISTABLE = replace(OSC, c=2.45)
 
 def results():
     """Yield results of all functions that integrate motions."""
-    law = ss.FrictionLaw("0.3 + 0.2*exp(-v/v_s)").bind(v_s="0.4(0.05)")
+    uncertain = ss.FrictionLaw("0.3 + 0.2*exp(-v/v_s)").bind(v_s="0.4(0.05)")
     yield ss.simulate(LAW, OSC, t_end=3.0)
     yield ss.simulate(LAW, OSC, t_end=3.0, method="solve_ivp")
     yield ss.simulate(LAW, OSC, t_end=3.0, x0=[0.0, 0.1])
@@ -23,29 +31,56 @@ def results():
     yield from (regime, regime.rest, regime.outside, *regime.cycles, *regime.separatrices, regime.stick_slip)
     yield from ss.limit_cycles(LAW, BISTABLE)
     yield ss.stick_slip_cycle(LAW, OSC)
-    threshold = ss.pure_slip_damping(law, OSC, method="orbit")
+    threshold = ss.pure_slip_damping(uncertain, OSC, method="orbit")
     yield from (threshold, threshold.budget)
     yield ss.pure_slip_damping(LAW, V=[0.5, 0.6], N=9.81, m=1, k=100)
     yield ss.compare(LAW, OSC)
-    margins = ss.margins(LAW, OSC)
-    yield from (margins, *margins.rows, margins.rows[0].below or margins.rows[0].above)
+
+    yield ss.motion_map(LAW, x=("V", [0.1, 0.5]), y=("c", [2.2, 7.0]), N=9.81, m=1, k=100)
+    yield ss.basin_map(LAW, BISTABLE, x0=[-0.1, 0.1], v0=[-0.5, 0.5])
+    sweep = ss.basin_sweep(LAW, BISTABLE, ("c", [2.3, 3.0]), x0=(-0.1, 0.1), v0=(-0.5, 0.5))
+    yield from (sweep, *sweep.changes)
+    fits = ss.fit(*jumping(), laws=["coulomb", "a - b*sign(v - v_0)"])
+    yield from (fits, *fits)
+    study = ss.study(uncertain, OSC, errors={"N": "9.81(1)"})
+    margins = study.margins
+    yield from (study, margins, *margins.rows, margins.rows[0].below or margins.rows[0].above)
+    tradeoff = ss.tradeoff(LAW, of="criterion")
+    yield from (tradeoff, *tradeoff.trades.values())
 
 
-def test_no_view_of_a_result_integrates(monkeypatch):
+def jumping():
+    """Measurements of friction that jumps."""
+    v = np.linspace(0.05, 1.0, 40)
+    return v, np.where(v < 0.5, 0.4, 0.3) + 0.01 * np.random.default_rng(3).normal(size=v.size)
+
+
+COMPUTING = [  # of motions, orbits, thresholds, averages, closed forms and fits
+    (slip, "follow"), (needed, "follow"), (slip, "_follow_all"), (needed, "needed_all"), (needed, "highest_all"),
+    (methods, "ask"), (methods, "good_enough"), (orbit, "orbits"), (SlopeAverage, "_total"),
+    (least_squares.Problem, "minimum"), (Average, "find"), (basins, "shares_by_area"), (law, "slope_of"),
+]  # fmt: skip
+
+
+def test_no_view_of_a_result_computes(monkeypatch):
     made = [result for result in results() if result is not None]
 
-    def integrated(*_, **__):
-        raise RuntimeError("a motion was integrated")
+    def computed(*_, **__):
+        raise RuntimeError("something was computed")
 
-    for module in (slip, needed):
-        monkeypatch.setattr(module, "follow", integrated)
-    for loop in (slip._follow_all, needed.needed_all, needed.highest_all):
-        monkeypatch.setattr(f"{loop.__module__}.{loop.__name__}", integrated)
-    with pytest.raises(RuntimeError, match="integrated"):  # a control
-        ss.simulate(LAW, OSC, t_end=1.0)
+    for owner, name in COMPUTING:
+        monkeypatch.setattr(owner, name, computed)
+    for control in (
+        lambda: ss.simulate(LAW, OSC, t_end=1.0),
+        lambda: ss.pure_slip_damping(LAW, OSC),
+        lambda: ss.fit(*jumping(), laws="coulomb"),
+    ):
+        with pytest.raises(RuntimeError, match="computed"):
+            control()
     for result in made:
         assert repr(result)
         assert str(result)
         assert result == result
+        assert copy.copy(result) == result or type(result).__eq__ is object.__eq__
         if hasattr(result, "_repr_html_"):
             assert result._repr_html_()

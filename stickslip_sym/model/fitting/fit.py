@@ -195,8 +195,9 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
         noise=noise.assumed(known=measured.sigma is not None),
         jumps=jumps,
     )
+    intervals = {name: interval for name, interval in fitted.confidence().items() if name in jumps}
     for i in np.flatnonzero(~smooth):  # without a derivative: as wide as the interval of a normal distribution
-        low, high = fitted.confidence()[names[i]]
+        low, high = intervals[names[i]]
         if not np.isfinite(high - low):
             raise _undetermined(names, np.array([i]), p)
         covariance[i, i] = ((high - low) / 2 / NORMAL) ** 2
@@ -205,7 +206,7 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
         alike = np.abs(covariance[i]) > _ALIKE * errors[i] * errors
         raise _undetermined(names, np.flatnonzero(alike), p / np.maximum(errors, np.finfo(float).tiny))
     warned = [*_warnings(problem, p, covariance, noise, chi_squared), *_rivals(fitted, rivals)]
-    return replace(fitted, warnings=tuple(warned))
+    return replace(fitted, jump_intervals=intervals, warnings=tuple(warned))
 
 
 def _best(problem: Problem) -> tuple[Minimum | None, list[tuple[int, Minimum]]]:

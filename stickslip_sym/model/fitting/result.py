@@ -4,7 +4,7 @@ import json
 import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +29,7 @@ from stickslip_sym.output.report import Report, Rows
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+_USUAL = 0.95  # probability of an interval
 _SEARCHED = 64.0  # half widths by standard errors, within which the end of an interval is sought
 _NEAR_REST = 0.1  # of V: slip speeds below it are a part of 0 to 2 V that does not matter
 _RATHER = 0.01  # Akaike weight of laws over which a quantity is averaged, over that of the best
@@ -104,6 +105,8 @@ class Fit(_Report):
         What is assumed of the noise, in a sentence.
     jumps : tuple of str
         The parameters that are places of jumps, whose intervals are those where the sum of squares has not risen.
+    jump_intervals : dict of str to (float, float)
+        These intervals, with a probability of 0.95.
     warnings : tuple of str
         What the measurements do not determine, and what to fix.
     aicc : float
@@ -132,6 +135,7 @@ class Fit(_Report):
     inflation: float
     noise: str = ""
     jumps: tuple[str, ...] = ()
+    jump_intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     aicc: float = math.inf
     weight: float = 1.0
@@ -189,7 +193,7 @@ class Fit(_Report):
             f"it was measured from {low:.3g} to {high:.3g} m/s"
         )
 
-    def confidence(self, level: float = 0.95, *, profile: bool = False) -> dict[str, tuple[float, float]]:
+    def confidence(self, level: float = _USUAL, *, profile: bool = False) -> dict[str, tuple[float, float]]:
         """Return an interval for each fitted parameter that holds the true value with a probability.
 
         Parameters
@@ -210,7 +214,9 @@ class Fit(_Report):
         intervals = dict[str, tuple[float, float]]()
         for (name, value), error in zip(self.values.items(), self.standard_errors.values(), strict=True):
             half = quantile * error
-            if name in self.jumps:
+            if level == _USUAL and name in self.jump_intervals:
+                intervals[name] = self.jump_intervals[name]
+            elif name in self.jumps:
                 intervals[name] = self._gap(name, -1, level), self._gap(name, 1, level)
             elif profile:
                 intervals[name] = self._end(name, -half, quantile), self._end(name, half, quantile)
