@@ -94,10 +94,10 @@ def files(tmp_path, monkeypatch):
 def keywords():
     """Return the names of arguments of what is public, and of methods of it."""
     public = [getattr(ss, name) for name in ss.__all__]
-    called = [each for each in public if callable(each)]
-    called += [method for kind in public if inspect.isclass(kind) for method in vars(kind).values()]
-    called = [getattr(each, "__func__", each) for each in called]
-    return {name for each in called if callable(each) for name in inspect.signature(each).parameters}
+    methods = [getattr(kind, name) for kind in public if inspect.isclass(kind) for name in dir(kind)]
+    called = [each for each in methods if inspect.isfunction(each) or inspect.ismethod(each)]
+    called += [each for each in public if callable(each)]
+    return {name for each in called for name in inspect.signature(each).parameters}
 
 
 def foreign_to_python(message):
