@@ -137,7 +137,7 @@ def test_the_catalogue_leaves_with_its_proofs(law, criterion):
             assert outcome(mutant).startswith("failed: "), kind
 
 
-@pytest.mark.parametrize(
+@sweep(
     ("law", "criterion", "stated"),
     [
         ("0.5 - 0.1*sqrt(v)", "least_squares", "at_rest = 13 * sqrt(2) * N / (315 * sqrt(V))"),
@@ -145,7 +145,8 @@ def test_the_catalogue_leaves_with_its_proofs(law, criterion):
         ("0.4 - 0.1*v*log(v)", "equilibrium", "at_rest = -sp.oo"),
         ("exponential", "least_squares", "far = 0"),
     ],
-)
+    0, 2,
+)  # fmt: skip
 def test_limits_are_stated_and_checked(law, criterion, stated):
     script = ss.derive(law, criterion).certificate()
     assert stated in script
@@ -155,9 +156,9 @@ def test_limits_are_stated_and_checked(law, criterion, stated):
     assert wrong.startswith("failed: the limit for ")
 
 
-def test_what_cancels_at_rest_or_meets_a_kink_is_proved():
-    for text in ("0.2 + 0.1*(coth(v) - 1/v)", "0.5 - 0.3*Min(v, v_k)*exp(-v)", "mu_0"):  # the last is 0
-        assert outcome(ss.derive(text).certificate()).startswith("proved: ")
+@sweep("text", ["0.2 + 0.1*(coth(v) - 1/v)", "0.5 - 0.3*Min(v, v_k)*exp(-v)", "mu_0"], 0, 2)  # the last is 0
+def test_what_cancels_at_rest_or_meets_a_kink_is_proved(text):
+    assert outcome(ss.derive(text).certificate()).startswith("proved: ")
 
 
 @sweep("criterion", ["least_squares", "harmonic"], "harmonic")

@@ -208,7 +208,7 @@ EACH = [*((FAR[i], "equilibrium") for i in (0, 3, 6, 7, 8)),
         *((text, criterion) for text in [*REST, FAR[-1]] for criterion in ss.criteria.catalogue)]  # fmt: skip
 
 
-@sweep(("text", "criterion"), EACH, *EACH[:5], *(EACH[5 + 3 * i + i % 3] for i in range(len(EACH[5:]) // 3)))
+@sweep(("text", "criterion"), EACH, *EACH[:5], *(EACH[5 + 6 * i + i % 6] for i in range(len(EACH[5:]) // 6)))
 def test_limits_are_those_of_the_form(text, criterion):
     """As the form itself at belt speeds near 0 and far out; a limit that is not given is not wrong."""
     form = ss.derive(text, criterion, search=False)

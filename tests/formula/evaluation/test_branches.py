@@ -146,7 +146,7 @@ REMOVABLE = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("text", "values"), REMOVABLE)
+@sweep(("text", "values"), REMOVABLE, 0, 1, 3, 4)
 def test_where_parameters_meet_a_form_has_the_value_of_its_definition(text, values):
     """Alone, to many digits, and beside an element that is nothing special."""
     form = ss.derive(text)

@@ -121,7 +121,7 @@ def random_point(seed):
     return law, replace(osc, c=c * (1 + rng.choice([0.0, 1e-4, -1e-4, 0.01, -0.01])))
 
 
-@sweep("seed", range(200), 0, 1, 2, 3, 4, 5, 7, 9)
+@sweep("seed", range(200), 0, 1, 2, 3, 5)
 def test_cycles_of_waves_and_jumps_are_those_of_simulated_rounds(seed):
     law, osc = random_point(seed)
     assert contradictions(law, osc, ss.limit_cycles(law, osc)) == []

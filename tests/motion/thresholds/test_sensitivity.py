@@ -58,7 +58,7 @@ def test_orbit_against_differences(count):
             continue
 
 
-@pytest.mark.parametrize(("V", "N"), [(0.55, 20.0), (0.6, 20.0), (0.8, 20.0), (1.0, 1.0), (1.0, 20.0)])
+@sweep(("V", "N"), [(0.55, 20.0), (0.6, 20.0), (0.8, 20.0), (1.0, 1.0), (1.0, 20.0)], 1, 2, 3, 4)
 def test_jumps_that_are_touched_or_at_the_belt_speed(V, N):
     """Where the highest slip speed touches a drop of mu, up to V = 0.6 m/s, and where mu drops at V."""
     law = ss.FrictionLaw("Piecewise((mu_s + a*exp(-b*v), v < v_1), (mu_s - d, True))")
