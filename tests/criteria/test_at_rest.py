@@ -5,6 +5,7 @@ import random
 import mpmath
 import numpy as np
 import pytest
+from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym import quadrature
@@ -52,6 +53,20 @@ def test_fast_functions_of_it_agree_with_balls():
     namespace = {}
     exec(fast.code("python"), namespace)
     assert namespace["damping"](speeds, 2.0, 0.3, 0.7) == pytest.approx(exact, rel=1e-14)
+
+
+@sweep(
+    ("law", "criterion"),
+    [(law, criterion) for law in ("Min(0.4, exp(-1/v))", "exp(-1/v + 1/sqrt(v))")
+     for criterion in ("least_squares", "harmonic")],
+    ("Min(0.4, exp(-1/v))", "least_squares"),
+)  # fmt: skip
+def test_code_is_written_of_what_is_smaller_than_any_float_at_rest(law, criterion):
+    """Where exp(-1/v) underflows a table cannot resolve it, and need not."""
+    namespace, speeds = {}, np.array([3e-4, 6.2e-4, 8e-4, 0.01, 0.3, 2.0])
+    exec(ss.slope_average(law, criterion).code("python"), namespace)
+    exact = [float(ss.quadrature.damping(law, criterion, V=V, N=1, digits=20)) for V in speeds]
+    assert namespace["damping"](speeds, 1.0) == pytest.approx(exact, rel=1e-13, abs=1e-290)
 
 
 def test_a_certificate_in_balls_is_refused_in_words():

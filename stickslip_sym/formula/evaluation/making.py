@@ -376,6 +376,8 @@ class _Builder:
         size = abs(float(coefficients[0]))
         if self.decay is None:
             size = max(self.values.mean_slope(np.array([left, middle, right])).min(), size)
+        else:  # what is smaller than any float is not resolved, and is 0 in floats
+            size = max(float(arb(SMALLEST) / self.decay.ball(arb(2 * right))), size)
         smooth = max(abs(float(c)) for c in coefficients[-2:]) <= _SMOOTH * size
         # An average of the slope is smooth on its whole width; the slope itself may be narrow between the nodes.
         if smooth and (not self.local or self.values.bounded(left, right, max(abs(float(x)) for x in values))):
