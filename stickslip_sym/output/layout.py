@@ -1,12 +1,13 @@
 r"""LaTeX set to a width: formulas broken into lines, and plain words with mathematics in them.
 
 A line breaks before a plus or a minus, at the outermost brackets where one fits. Widths are those of Computer
-Modern at 10 pt, estimated from above, so a formula that is broken here fits the text.
+Modern at 10 pt, from above, so a formula that is broken here fits the text.
 """
 
 import re
 import unicodedata
 from collections.abc import Callable, Mapping, Sequence
+from string import ascii_letters, digits
 
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.notation import latex_name
@@ -18,19 +19,27 @@ _HANGING = 0.25  # of a line; behind a longer left side nothing is aligned
 _LEAST = 0.3  # of a line, before which a break at outer brackets is not worth an empty half
 
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[A-Za-z]|\d|\s+|.", re.S)
+_LETTERS = (
+    *(5.3, 4.3, 4.4, 5.3, 4.7, 5.6, 4.8, 5.8, 3.5, 4.2, 5.3, 3.0, 8.8),
+    *(6.1, 4.9, 5.1, 4.6, 4.6, 4.7, 3.7, 5.8, 4.9, 7.2, 5.8, 5.0, 4.7),
+    *(7.5, 7.6, 7.6, 8.3, 7.7, 7.6, 7.9, 8.9, 5.0, 6.4, 8.9, 6.9, 10.5),
+    *(8.9, 7.7, 7.6, 8.0, 7.6, 6.5, 7.1, 7.6, 7.7, 10.5, 8.6, 7.7, 7.3),
+)
 _WIDE = {
-    "m": 8.9, "w": 7.2, "N": 8.6, "M": 9.9, "V": 6.6, "W": 9.8, "+": 12.3, "-": 12.3, "=": 13.4, "<": 13.4,
-    ">": 13.4, ",": 4.5, ";": 4.5, "/": 5.0, "(": 3.9, ")": 3.9, "[": 3.6, "]": 3.6, "'": 2.5, "I": 5.2, "J": 6.4,
-    r"\{": 5.0, r"\}": 5.0, r"\,": 1.7, r"\!": -1.7, r"\;": 2.8, r"\alpha": 6.5, r"\beta": 6.0, r"\gamma": 5.8,
-    r"\delta": 4.6, r"\theta": 4.9, r"\mu": 6.1, r"\pi": 5.9, r"\eta": 5.1, r"\int": 11.7, r"\quad": 10.0,
-    r"\infty": 10.0, r"\ln": 10.0, r"\sin": 14.2, r"\cos": 15.0, r"\tan": 15.6, r"\sinh": 19.8, r"\cosh": 20.6,
-    r"\tanh": 21.1, r"\coth": 20.6, r"\arctan": 29.5, r"\exp": 17.0, r"\to": 15.6, r"\sim": 13.4, r"\approx": 13.4,
-    r"\bigl": 0.8, r"\bigr": 0.8, r"\biggl": 2.2, r"\biggr": 2.2, r"\left": 1.6, r"\right": 1.6,
+    **dict(zip(ascii_letters, _LETTERS, strict=True)), **dict.fromkeys(digits, 5.0),
+    "+": 12.3, "-": 12.3, "=": 13.4, "<": 13.4, ">": 13.4, ",": 4.5, ";": 4.5, "/": 5.0, "(": 3.9, ")": 3.9,
+    "[": 2.8, "]": 2.8, "'": 2.8, r"\{": 5.0, r"\}": 5.0, r"\alpha": 6.4, r"\beta": 5.9, r"\gamma": 5.5,
+    r"\delta": 4.6, r"\theta": 4.7, r"\mu": 6.1, r"\pi": 5.8, r"\eta": 5.0, r"\int": 11.2, r"\infty": 10.0,
+    r"\ln": 10.1, r"\sin": 14.0, r"\cos": 15.1, r"\tan": 16.2, r"\sinh": 19.6, r"\cosh": 20.7, r"\tanh": 21.7,
+    r"\coth": 20.6, r"\arctan": 29.5, r"\exp": 17.0, r"\to": 15.6, r"\sim": 13.4, r"\approx": 13.4,
+    r"\,": 1.7, r"\!": -1.7, r"\;": 2.8, r"\quad": 10.0,
+    r"\bigl": 0.8, r"\bigr": 0.8, r"\biggl": 3.5, r"\biggr": 3.5, r"\left": 1.6, r"\right": 1.6,
 }  # fmt: skip
-"""Points, from the metrics of the fonts cmmi10, cmr10, cmsy10 and cmex10, with some tenths for slants.
+"""Points of each sign: its advance or the right edge of its ink, whichever is more, rounded up to a tenth.
 
-They include the space that TeX sets around an operator (2.2 on each side) or a relation (2.8), or behind a
-function's name (1.7)."""
+From the metrics of the fonts cmmi10, cmr10, cmsy10 and cmex10 (a test holds them against matplotlib's copies),
+with the space that TeX sets around an operator (20/9 on each side) or a relation (25/9), behind a function's
+name, a comma or an integral (5/3), and with what larger brackets are wider than plain ones."""
 _WITH_ARGUMENTS: dict[str, tuple[int, Callable[..., float]]] = {
     r"\frac": (2, lambda top, below: max(top, below) + 3.0), r"\sqrt": (1, lambda inner: inner + 9.0),
     r"\operatorname": (1, lambda inner: inner + 3.4),
@@ -38,6 +47,7 @@ _WITH_ARGUMENTS: dict[str, tuple[int, Callable[..., float]]] = {
     **dict.fromkeys("^_", (1, lambda script: 0.76 * script + 0.6)),
 }  # fmt: skip
 """How many arguments a command has, and its width from theirs."""
+_WIDEST_GREEK, _OTHER = 6.6, 5.3  # of the small letters, and of signs such as | and *
 _DEPTHS = {"(": 1, "[": 1, r"\{": 1, ")": -1, "]": -1, r"\}": -1}
 _FIXED = {r"\left": 1, r"\begin": 1, r"\right": -1, r"\end": -1}
 
@@ -62,7 +72,7 @@ def _part(tokens: Sequence[str], i: int) -> tuple[float, int]:
         return 0.0, i
     count, of_arguments = _WITH_ARGUMENTS.get(token, (0, float))
     if not count:
-        return _WIDE.get(token, 7.4 if token.isupper() else 6.4 if token.startswith("\\") else 5.3), i
+        return _WIDE.get(token, _WIDEST_GREEK if token.startswith("\\") else _OTHER), i
     arguments = []
     for _ in range(count):
         argument, i = _part(tokens, i)

@@ -1,8 +1,11 @@
 """LaTeX as a person writes it, and read back by a parser that shares nothing with the printer."""
 
 import re
+from pathlib import Path
+from string import ascii_letters
 
 import latex_reader
+import matplotlib
 import mpmath
 import numpy as np
 import pytest
@@ -211,3 +214,37 @@ def test_derivations_print_every_step():
     text = derivation.latex()
     assert len(re.findall(r"\\begin\{equation\*\}", text)) == len(derivation.steps) == 3
     assert r"\int_{0}^{2 V}" in text
+
+
+# -- widths ----------------------------------------------------------------------------------------
+
+
+def metrics(font):
+    """Points at 10 pt of each glyph in matplotlib's copy of a font: its advance, or the edge of its ink."""
+    text = (Path(matplotlib.get_data_path()) / "fonts" / "afm" / f"{font}.afm").read_text()
+    rows = re.findall(r"WX ([\d.]+) ; N (\w+) ; B -?\d+ -?\d+ (-?\d+)", text)
+    return {glyph: max(float(advance), float(edge)) / 100 for advance, glyph, edge in rows}
+
+
+def test_widths_of_signs_are_those_of_the_fonts():
+    italic, roman, signs, large = map(metrics, ("cmmi10", "cmr10", "cmsy10", "cmex10"))
+    thin, medium, thick = 5 / 3, 20 / 9, 25 / 9
+    expected = {letter: italic[letter] for letter in ascii_letters}
+    expected |= {
+        rf"\{name}": italic[name] for name in ("alpha", "beta", "gamma", "delta", "theta", "mu", "pi", "eta")
+    }
+    expected |= {sign: italic[name] for sign, name in zip(",/", ("comma", "slash"), strict=True)}
+    named = {"(": "parenleft", ")": "parenright", "[": "bracketleft", "]": "bracketright", ";": "semicolon"}
+    expected |= {sign: roman[name] for sign, name in named.items()} | {"5": roman["five"], "'": signs["prime"]}
+    expected |= {r"\{": signs["braceleft"], r"\}": signs["braceright"], r"\infty": signs["infinity"]}
+    relations = {"=": roman["equal"], "<": italic["less"], ">": italic["greater"], r"\to": signs["arrowright"],
+                 r"\sim": signs["similar"], r"\approx": signs["approxequal"]}  # fmt: skip
+    expected |= {sign: width + 2 * thick for sign, width in relations.items()}
+    expected |= {"+": roman["plus"] + 2 * medium, "-": signs["minus"] + 2 * medium}
+    expected |= {sign: expected[sign] + thin for sign in ",;"} | {r"\int": large["integraldisplay"] + thin}
+    names = ("ln", "sin", "cos", "tan", "sinh", "cosh", "tanh", "coth", "arctan", "exp")
+    expected |= {rf"\{name}": sum(roman[letter] for letter in name) + thin for name in names}
+    expected |= {rf"\{size}l": large[f"parenleft{size}"] - roman["parenleft"] for size in ("big", "bigg")}
+    for sign, points in expected.items():
+        assert 0 <= layout.width(sign) - points < 0.11, sign
+    assert layout.width(r"\frac{V}{N}") >= max(expected["V"], expected["N"])
