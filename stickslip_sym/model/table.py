@@ -59,7 +59,6 @@ _NARROW = 0.125  # times its own speed: an octave halved that often may hide fro
 _LEAP = 1 / 32  # times its own speed: the stages of the longest steps meet whatever is wider
 _STEEPER = 4.0  # times the steepest slope of a polynomial: balls are larger than what they hold
 _CUTS = 3  # halvings of the ball over an interval, to bring it closer to what it holds
-_CUTS_AT_REST = 12  # of the first interval, where mu may be singular at 0, towards 0
 _UNSEEN = 100.0  # times the level of the last coefficients: a rise of no account, however steep
 _TOGETHER = 512  # intervals that are looked at at a time, the lowest first
 _TINY = 1e-290  # a rise where floats underflow
@@ -434,14 +433,27 @@ def _first(segment: _Segment) -> tuple[FloatArray, float]:
         for i in np.flatnonzero(fits & own.all(axis=1))[::-1]:
             below, there = nodes[: i + 1], values[: i + 1]
             fitted = below * chebyshev.chebval(2 * below / widths[i] - 1, coefficients[i])
-            ends = pairwise(widths[i] * 0.5 ** np.arange(_CUTS_AT_REST + 1))
             if (np.abs(fitted - there) <= _NOISE * np.abs(there) + noise).all() and (
                 segment.is_sure(0.0, widths[i], steepest[i], 0)
-                or all(segment.is_sure(lower, end, steepest[i]) for end, lower in ends)
+                or _is_sure_towards_rest(segment, float(widths[0]), float(widths[i]), steepest[i])
             ):
                 return _at_rest(widths[i], coefficients[i]), float(widths[i])
     straight = np.append(values[0, -1] / nodes[0, -1], np.zeros(_DEGREE))
     return _at_rest(widths[0], straight), float(widths[0])
+
+
+def _is_sure_towards_rest(segment: _Segment, low: float, high: float, steepest: float) -> bool:
+    """Whether balls show that abs(mu') is at most so steep down to the least speed; mu may be singular at 0."""
+    waiting = [(low, high)]
+    while waiting:
+        low, high = waiting.pop()
+        if high <= 2 * low:
+            if not segment.is_sure(low, high, steepest):
+                return False
+        elif not segment.is_sure(low, high, steepest, 0):
+            middle = math.sqrt(low) * math.sqrt(high)
+            waiting += [(low, middle), (middle, high)]
+    return True
 
 
 def _at_rest(width: float, coefficients: FloatArray) -> FloatArray:

@@ -178,3 +178,18 @@ def test_a_law_that_varies_for_ever_is_tabulated_up_to_where_a_motion_comes():
     assert found.value == pytest.approx(0.89473021931, rel=1e-10)
     with pytest.raises(ss.InputError, match=r"varies too often to be tabulated beyond 0\.8"):
         ss.pure_slip_damping(law, V=300, **point, method="simulation")
+
+
+@pytest.mark.parametrize(
+    "bump", ["exp(-(log(v/{a})/{w})^2)", "sech(log(v/{a})/{w})", "exp(-((sqrt(v/{a}) - 1)/{w})^2)"]
+)
+@pytest.mark.parametrize("seed", range(3))
+def test_a_bump_of_a_law_that_is_flat_elsewhere_is_seen(bump, seed):
+    """The first piece of such a table may reach from rest to any speed: no ball towards rest is left out."""
+    random = np.random.default_rng(seed)
+    a, w = 10.0 ** random.uniform(-6, 2), 10.0 ** random.uniform(-8, -2)
+    law = ss.FrictionLaw(f"0.2 + 0.001*{bump}".format(a=repr(a), w=repr(w)))
+    table = law.bound.table
+    assert table.rise(a) == pytest.approx(1e-3, rel=1e-6)
+    assert table.rise(a * (1 + 100 * w)) == pytest.approx(0, abs=1e-12)
+    assert law.mu(a) == pytest.approx(0.201, rel=1e-9)

@@ -9,6 +9,7 @@ SHAPES = {
     "erf": "{h}*erf({u})",
     "bump": "{h}*exp(-({u})^2)", "lorentzian": "{h}/(1 + ({u})^2)", "sech": "{h}*sech({u})",
     "layer": "{h}*exp(-v/{w})", "kink": "{h}*Max(v - {a}, 0)",
+    "logarithmic bump": "{h}*exp(-(log(v/{a})*{a}/{w})^2)", "logarithmic sech": "{h}*sech(log(v/{a})*{a}/{w})",
     "jump": "Piecewise((0, v < {a}), ({h}, True))", "nested": "{h}*tanh((exp(v/{a}) - exp(1))*{a}/{w})",
 }  # fmt: skip
 """Of height h, at the slip speed a, with the width w, and u = (v - a)/w."""

@@ -16,6 +16,7 @@ from stickslip_sym.core.special import Langevin
 from stickslip_sym.model.expression.pieces import joined
 
 _MOST_EXPANDED = 6  # of a power of a sum of two terms that a rule makes
+_HIGHEST_POWER = 24  # of v that a rule makes
 _RECIPROCALS: dict[type[Expr], type[Expr]] = {sp.cosh: sp.sech, sp.tanh: sp.coth}
 _OF_LOGARITHMS: dict[type[Expr], Callable[[Expr], Expr]] = {
     sp.tanh: lambda x: (x**2 - 1) / (x**2 + 1), sp.sech: lambda x: 2 * x / (x**2 + 1),
@@ -113,9 +114,11 @@ def _logarithm(expr: Expr) -> Expr:
 
 
 def _of_logarithm(expr: Expr) -> Expr:
-    """Return a hyperbolic function of c*log(x) as a rational one of x^c."""
+    """Return a hyperbolic function of c*log(x) as a rational one of x^c, unless no computer could expand that."""
     front, logarithm = expr.args[0].as_independent(sp.log, as_Add=False)
     if not isinstance(logarithm, sp.log) or front.has(symbols.v):
+        return expr
+    if front.is_number and abs(front) > _HIGHEST_POWER:
         return expr
     return _OF_LOGARITHMS[expr.func](power(logarithm.args[0], front))
 

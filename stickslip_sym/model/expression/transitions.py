@@ -3,7 +3,7 @@
 A function such as tanh(u) or exp(u) changes where |u| is about 1, near the zeros and the turning points of u. A
 denominator, a root and a logarithm change near the complex zeros of what stands in them: the real part is the
 place, the imaginary part the width. A sum A + C exp(u), as in a logistic function, changes where both terms are as
-large. What stands in functions, but is no polynomial in v, is looked at part by part.
+large. What stands in functions, but is no polynomial in v or in its logarithm, is looked at part by part.
 """
 
 import math
@@ -22,7 +22,19 @@ from stickslip_sym.core.balls import number_at, rational
 from stickslip_sym.core.functions import fold, row
 
 _HIGHEST = 24  # degree of a polynomial whose zeros are computed: higher ones take milliseconds
+_FARTHEST = 700.0  # logarithm of a speed that a float holds
 _DIGITS = 60  # of a constant that is no rational number
+
+
+class _Argument(NamedTuple):
+    """A polynomial in the slip speed v, or in log(v)."""
+
+    polynomial: fmpq_poly
+    of_logarithm: bool = False
+
+    @property
+    def is_constant(self) -> bool:
+        return bool(self.polynomial.degree() < 1)
 
 
 class Transition(NamedTuple):
@@ -36,37 +48,43 @@ def transitions(expr: Expr, point: Mapping[Expr, Expr]) -> list[Transition]:
     """Return where a smooth piece of a coefficient may vary quickly, at values of its parameters."""
     quick, exponents = list[Transition](), dict[Expr, fmpq_poly]()
 
-    def polynomial(node: Expr, parts: list[fmpq_poly | None]) -> fmpq_poly | None:
-        """Return a node as a polynomial in v, None where it is none; note where a function of them changes."""
+    def argument(node: Expr, parts: list[_Argument | None]) -> _Argument | None:
+        """Return a node as a polynomial, None where it is none; note where a function of it changes."""
         if node == symbols.v:
-            return fmpq_poly([0, 1])
-        polynomials = [part for part in parts if part is not None]
-        if polynomials and len(polynomials) == len(parts):
+            return _Argument(fmpq_poly([0, 1]))
+        arguments = [part for part in parts if part is not None]
+        kinds = {part.of_logarithm for part in arguments if not part.is_constant}
+        if arguments and len(arguments) == len(parts) and len(kinds) < 2:
+            polynomials = [part.polynomial for part in arguments]
             if node.is_Add or node.is_Mul:
-                return reduce(add if node.is_Add else mul, polynomials)
+                return _Argument(reduce(add if node.is_Add else mul, polynomials), True in kinds)
             if node.is_Pow and len(parts) == 2 and node.exp.is_Integer:
                 power = int(node.exp)
                 if 0 < power * max(polynomials[0].degree(), 1) <= _HIGHEST:
-                    return polynomials[0] ** power
+                    return _Argument(polynomials[0] ** power, True in kinds)
         if not node.has(symbols.v):
-            return _constant(node, point)
-        if node.is_Add and len(polynomials) == len(parts) - 1:
-            moving, rest = node.args[parts.index(None)], reduce(add, polynomials)
+            constant = _constant(node, point)
+            return None if constant is None else _Argument(constant)
+        if node.is_Add and len(arguments) == len(parts) - 1 and not kinds:
+            moving, rest = node.args[parts.index(None)], reduce(add, (part.polynomial for part in arguments))
             factor, function = moving.as_independent(symbols.v, as_Add=False)
             weight = _constant(factor, point)
-            if function in exponents and weight and rest and rest.degree() == 0:
+            if function in exponents and weight and rest:
                 level = math.log(abs(float(rest[0] / weight[0])))
                 quick.extend(_of_argument(exponents[function] - fmpq(*level.as_integer_ratio())))
         elif (node.is_Pow and len(parts) == 2) or isinstance(node, sp.log):
-            quick.extend(_of_base(parts[0]) if parts[0] else ())
+            base = parts[0]
+            if base is not None:
+                quick.extend(_in_speed(_of_base(base.polynomial), base.of_logarithm))
+            return _logarithm(node, point)
         elif row(node) is not None:
-            for argument in polynomials:
-                quick.extend(_of_argument(argument))
-            if isinstance(node, sp.exp) and polynomials:
-                exponents[node] = polynomials[0]
+            for part in arguments:
+                quick.extend(_in_speed(_of_argument(part.polynomial), part.of_logarithm))
+            if isinstance(node, sp.exp) and arguments and not arguments[0].of_logarithm:
+                exponents[node] = arguments[0].polynomial
         return None
 
-    fold(expr, polynomial)
+    fold(expr, argument)
     return [change for change in dict.fromkeys(quick) if 0 < change.speed < math.inf]
 
 
@@ -76,6 +94,27 @@ def _constant(node: Expr, point: Mapping[Expr, Expr]) -> fmpq_poly | None:
     if not value.is_finite:
         return None
     return fmpq_poly([rational(value if value.is_Rational else sp.Rational(value.n(_DIGITS)))])
+
+
+def _logarithm(node: Expr, point: Mapping[Expr, Expr]) -> _Argument | None:
+    """Return the logarithm of a power of v, with a factor, as a polynomial in log(v); None for all else."""
+    if not isinstance(node, sp.log):
+        return None
+    factor, moving = node.args[0].as_independent(symbols.v, as_Add=False)
+    base, exponent = moving.as_base_exp()
+    constants = [_constant(number, point) for number in (sp.log(factor), exponent)]
+    if base != symbols.v or None in constants:
+        return None
+    return _Argument(fmpq_poly([constant[0] for constant in constants if constant is not None]), True)
+
+
+def _in_speed(changes: Iterator[Transition], of_logarithm: bool) -> Iterator[Transition]:
+    """Yield changes at slip speeds, where they are those of a function of log(v) perhaps."""
+    for place, width in changes:
+        if not of_logarithm:
+            yield Transition(place, width)
+        elif abs(place) < _FARTHEST:
+            yield Transition(math.exp(place), math.exp(place) * width)
 
 
 def _zeros(polynomial: fmpq_poly) -> list[complex]:

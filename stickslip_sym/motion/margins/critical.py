@@ -31,7 +31,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.kernel.data import TIGHT
-from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, needed_ratio, rough_ratio, sure_gap
+from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, STRONG, needed_ratio, rough_ratio, sure_gap
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.thresholds.averages import average, slope_mean
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, transit
@@ -50,7 +50,8 @@ _LOOKS, _FEW_LOOKS = 200, 9  # belt speeds, and values of a parameter, at which 
 _FEWEST = 3  # of these beside each other, that a range needs
 _AROUND = 100.0  # factor above and below a parameter's value within which it is sought
 _WITHIN = Argument("within", ("low", "high"))
-_FEW = 8  # thresholds by slips at once, up to which compiled code is not worth loading
+_FEW = 60  # thresholds by slips, up to which compiled code is not worth loading,
+_STIFFER = 8  # and as how many of them one counts where friction is strong
 _CLOSE = 1e-8  # relative error of thresholds, and of polynomials through them
 _DISTANT = 1e-3  # of its distance from c, error of a threshold that suffices,
 _ROUGH = 1e-3  # or of itself
@@ -309,6 +310,7 @@ class _Search:
         self.is_quantity = of in symbols.QUANTITIES
         self.unit = symbols.QUANTITIES[of].unit if self.is_quantity else law.parameters[of].unit
         self.converges = self.criterion is None and (self.method is None or self.method.converges)
+        self.work = 0  # thresholds by slips so far
         self.sampled, self.sketched = dict[float, tuple[float, float]](), dict[float, tuple[float, float]]()
 
     def at(self, x: float | str | FloatArray) -> OperatingPoints:
@@ -386,7 +388,7 @@ class _Search:
             far = ~(error <= (_DISTANT * np.abs(value - self.c) if sketch else 0.0))
             rows = np.flatnonzero(far).tolist()
             for row in rows:
-                value[row], error[row] = self._by_slip(points, row, sketch, fast=len(rows) > _FEW)
+                value[row], error[row] = self._by_slip(points, row, sketch, len(rows))
         except NO_RESULT:
             if np.size(x) == 1:
                 return none, none
@@ -394,9 +396,12 @@ class _Search:
             return columns[:, 0, 0], columns[:, 1, 0]
         return value, error
 
-    def _by_slip(self, points: OperatingPoints, row: int, sketch: bool, *, fast: bool) -> tuple[float, float]:
+    def _by_slip(self, points: OperatingPoints, row: int, sketch: bool, count: int) -> tuple[float, float]:
+        """Return a threshold, the first of some, by the slip from P."""
         system = Dimensionless.of(points.bound, points.oscillator(row))
         unit = 2 * float(points.impedance[row])
+        self.work += _STIFFER if abs(system.eta) > STRONG else 1
+        fast = self.work + count > _FEW
         if sketch:
             zeta, error = rough_ratio(system, _ROUGH, fast=fast)
         else:
@@ -475,7 +480,9 @@ class _Search:
         stretches, missing = self._stretches(sketch, arguments)
         if not stretches:
             raise NotConverged(f"there is no threshold at any {self.of}; try another method")
-        most, first = (_MOST, sketch) if self.converges else (_MOST_AVERAGES, None)
+        most, first = (
+            (_MOST, sketch) if self.converges else (_MOST_AVERAGES, value)
+        )  # averages have no digits to save
         found = [resolve(value, part, rtol=_CLOSE, most=most, sketch=first) for part in stretches]
         if self.sampled:
             values, errors = np.array(list(self.sampled.values())).T

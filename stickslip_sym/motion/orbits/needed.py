@@ -26,8 +26,9 @@ import numpy as np
 from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.model.table import Pieces, Rise
-from stickslip_sym.motion.compiled import compilable
+from stickslip_sym.motion.compiled import compilable, is_ready
 from stickslip_sym.motion.kernel.data import (
+    ADDED,
     MOST_STEPS,
     PRECISE,
     TIGHT,
@@ -49,9 +50,11 @@ PARTED = 1e-7
 """The gap of an orbit beside which d jumps; where d is continuous it is that of rounding."""
 ROUNDING = 1e-14
 """Relative, of a gap, a damping and an amplitude; of the terms of w' over their sum."""
+STRONG = 30.0
+"""Eta, from which halves are stiff."""
 _COARSE = 1e-5  # tolerance of the first steps
 _SHARE = 0.03  # of the error of the damping ratio that is wanted, a tolerance
-_STRONG, _STIFF = 30.0, 1e-9  # eta from which halves are stiff, and the tolerance there, unless digits are wanted
+_STIFF = 1e-9  # tolerance where friction is strong, unless digits are wanted
 _SKETCH = 1e-6  # or unless coarse steps suffice; below `_COARSE`, so that steps that fail are no creeping half
 _LOOSER = 10.0  # of the tolerance, for the estimate of what the integration is off
 _NEAR = 1e-2  # gap at which the tight tolerance is taken
@@ -206,7 +209,7 @@ def gap(rise: Rise, eta: float, zeta: float, push: float, A: float, rtol: float,
 def sure_gap(rise: Rise, eta: float, zeta: float, push: float, A: float, rtol: float) -> Gap:
     """Return the gap by coarse steps where they show its sign, without its derivative."""
     unwanted = no_wedge(rise)
-    coarse = gap(rise, eta, zeta, push, A, _STIFF if abs(eta) > _STRONG else _COARSE, unwanted)
+    coarse = gap(rise, eta, zeta, push, A, _STIFF if abs(eta) > STRONG else _COARSE, unwanted)
     if not coarse.outside and _ROUGH < abs(coarse.value) < math.inf:
         return coarse
     return gap(rise, eta, zeta, push, A, rtol, unwanted)
@@ -228,7 +231,7 @@ def needed(rise: Rise, eta: float, push: float, A: float, tight: float, rough: f
         return Needed(End.CLOSED, 0.0, 0.0, low, high)
     if not largest < _WILD:
         return Needed(End.FAILED, zeta, math.inf, low, high)
-    rtol = (_SKETCH if rough > 0.0 else _STIFF) if abs(eta) > _STRONG else _COARSE
+    rtol = (_SKETCH if rough > 0.0 else _STIFF) if abs(eta) > STRONG else _COARSE
     before, gap_before, beyond = math.nan, math.nan, False
     for _ in range(_MOST_GAPS):
         coarse = rtol > tight
@@ -266,7 +269,7 @@ def needed(rise: Rise, eta: float, push: float, A: float, tight: float, rough: f
             return Needed(end, zeta, error + PRECISE * largest, low, high)
         if coarse and rough > 0.0 and not beyond:
             if abs(value) <= _NEAR and slope == by:
-                off = _LOOSER * _ROUGH + _CURVED * value * value
+                off = ADDED * rtol + _CURVED * value * value
                 if off / -slope > rough * abs(zeta):
                     closer = gap(rise, eta, zeta, push, A, _STIFF, unwanted).value
                     value, off = closer, abs(closer - value) + _CURVED * closer * closer + rounding + _DONE
@@ -314,6 +317,14 @@ def rough_all(rise: Rise, columns: Any, rough: float, rows: Any) -> None:
     for i in range(len(eta)):
         need = needed(rise, eta[i], push[i], 1.0, TIGHT, rough)
         rows[i, 0], rows[i, 1], rows[i, 2] = need.end.value, need.zeta, need.error
+
+
+@compilable
+def _slope_all(rise: Rise, columns: Any, rtol: float, wedge: Wedge, rows: Any) -> None:
+    """Find how gaps of slips from P change with the quantity of a wedge, from eta, zeta and push."""
+    eta, zeta, push = columns
+    for i in range(len(eta)):
+        rows[i, 0] = gap(rise, eta[i], zeta[i], push[i], 1.0, rtol, wedge).slope
 
 
 @compilable
@@ -366,15 +377,26 @@ def _spread(rise: Rise, eta: float, push: float, A: float, rtol: float, low: flo
 def rough_ratio(system: Dimensionless, rtol: float, *, fast: bool = False) -> tuple[float, float]:
     """Return the damping ratio at which the slip from P grazes w = 1, by coarse steps if they do, and its error.
 
-    - `fast`: compiled where numba is there.
+    - `fast`: compiled where numba is there, and its loading is no loss.
 
     Both are NaN where there is none; raises `OutOfTime` when the time of a `time_limit` is up.
     """
     orbit, rows = [np.array([value]) for value in (system.eta, system.push(1))], np.empty((1, 3))
-    system.spread(rough_all, orbit, (rtol,), rows, few=0 if fast else 1)
+    system.spread(rough_all, orbit, (rtol,), rows, few=0 if fast or is_ready(rough_all) else 1)
     check_time()
     end, zeta, error = rows[0].tolist()
     return (zeta, error) if end == End.CLOSED else (math.nan, math.nan)
+
+
+def gap_slope(system: Dimensionless, zeta: float, wedge: Wedge) -> float:
+    """Return how the gap of the slip from P changes with the quantity of a wedge, at a damping ratio."""
+    slip, rows = [np.array([value]) for value in (system.eta, zeta, system.push(1))], np.empty((1, 1))
+    fast = is_ready(needed_all) or is_ready(rough_all)
+    if fast:
+        wedge = wedge._replace(pieces=np.array(wedge.pieces), shifts=np.array(wedge.shifts))
+    system.spread(_slope_all, slip, (TIGHT, wedge), rows, few=0 if fast else 1)
+    check_time()
+    return float(rows[0, 0])
 
 
 def needed_ratio(
@@ -384,7 +406,7 @@ def needed_ratio(
 
     - `A`: highest velocity over the belt's; 1 for the slip from P, static excess included.
     - `rtol`: relative error that is wanted.
-    - `fast`: compiled where numba is there; a time limit is then looked at once.
+    - `fast`: compiled where numba is there, and its loading is no loss; a time limit is then looked at once.
 
     Raises `InputError` if the orbit goes beyond what was measured of the law.
     Raises `NoThreshold` if no damping ratio closes the orbit.
@@ -395,10 +417,10 @@ def needed_ratio(
     check_time()
     eta, push = system.eta, system.push(1) if A == 1.0 else 0.0
     wanted = _SHARE * rtol * abs(_harmonic(system.rise, eta, A)[0])
-    loosest = _STIFF if abs(eta) > _STRONG else TIGHT
+    loosest = _STIFF if abs(eta) > STRONG else TIGHT
     tight = next((steps for steps in (loosest, TIGHT) if steps <= wanted), PRECISE)
     orbit, rows = [np.array([value]) for value in (eta, push, A)], np.empty((1, 5))
-    system.spread(needed_all, orbit, (tight,), rows, few=0 if fast else 1)
+    system.spread(needed_all, orbit, (tight,), rows, few=0 if fast or is_ready(needed_all) else 1)
     end, zeta, error, low, high = rows[0].tolist()
     if end == End.LATE or is_late():  # then the last gap may be wrong
         raise OutOfTime(

@@ -17,7 +17,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import Pieces
 from stickslip_sym.motion.kernel.data import TIGHT, End, Wedge, no_wedge
-from stickslip_sym.motion.orbits.needed import PARTED, gap, needed_ratio
+from stickslip_sym.motion.orbits.needed import PARTED, gap, gap_slope, needed_ratio
 from stickslip_sym.motion.slip import Dimensionless
 
 _BEYOND = 1.5  # times the highest slip speed, up to which a derivative of the law is tabulated: steps try further
@@ -53,11 +53,11 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     parted = bool(near) and abs(gap(rise, eta, zeta, push, 1.0, TIGHT, no_wedge(rise)).value) > PARTED
 
     def derivative(source: Wedge) -> float:
-        check_time()
         if parted:
+            check_time()
             top = damped.slip(0.0, 0.0, until=End.MAXIMUM, wedge=(source, 0.0))
             return top.wedge / (1.0 - top.w) - source.shifts[near[0]]
-        return gap(rise, eta, zeta, push, 1.0, TIGHT, source).slope
+        return gap_slope(system, zeta, source)
 
     unit, slope = 2 * osc.impedance, derivative(wedge)
     if not slope < 0.0:  # no number, or 0 where a half creeps to rest

@@ -4,9 +4,12 @@ import math
 
 import numpy as np
 import pytest
+import sympy as sp
 from commands import inside, read_json
+from scipy.integrate import solve_ivp
 
 import stickslip_sym as ss
+from stickslip_sym.core import symbols
 from stickslip_sym.motion.margins import critical as module
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
@@ -96,3 +99,37 @@ def test_margins_say_what_the_motion_does(name):
     found = ss.margins(law, osc, reach=1.02, samples=0)
     assert str(found).startswith(words)
     assert found.stick_slip == (ss.stick_slip_cycle(law, osc) is not None)
+
+
+def _returns(law, m, k, c, V, N):
+    """Whether the slip from P returns to the belt's speed, by SciPy's implicit steps."""
+    mu = sp.lambdify(symbols.v, law.expr.subs({p.symbol: law.values[n] for n, p in law.parameters.items()}))
+
+    def rates(t, y):
+        return V - y[1], (c * (V - y[1]) + k * y[0] - N * mu(max(y[1], 0.0))) / m
+
+    def at_belt(t, y):
+        return y[1]
+
+    def at_minimum(t, y):
+        return rates(t, y)[1]
+
+    at_belt.terminal, at_belt.direction, at_minimum.terminal, at_minimum.direction = True, -1, 2, 1
+    begin = [(float(mu(0.0)) * N - c * V) / k, 0.0]
+    slip = solve_ivp(rates, (0, 100), begin, method="Radau", rtol=1e-9, atol=1e-12, events=[at_belt, at_minimum])
+    return slip.t_events[0].size > 0 and slip.t_events[0][-1] > 1e-6
+
+
+def test_critical_values_at_strong_friction_against_scipy():
+    """N/(V sqrt(k m)) is 100: stick-slip is there between the values, and not outside."""
+    law, point = ss.laws.lorentzian.typical(), {"m": 1.0, "k": 100.0, "c": 148.6, "V": 0.5, "N": 500.0}
+    found = ss.critical(law, "v_s", **point, within=(0.2, 1.0))
+    assert [one.value for one in found] == pytest.approx([0.4514592, 0.485726], rel=1e-6)
+    low, high = (one.value for one in found)
+    for v_s, returns in (
+        (0.9995 * low, False),
+        (1.0005 * low, True),
+        (0.9995 * high, True),
+        (1.0005 * high, False),
+    ):
+        assert _returns(law.bind(v_s=v_s), **point) == returns
