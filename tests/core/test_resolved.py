@@ -30,6 +30,34 @@ def test_roots_and_extrema_are_those_by_construction(seed):
     assert (np.diff(places) <= 1).all()  # an extremum, at least, between two zeros
 
 
+@sweep("seed", range(40), 16, 29, 38)
+def test_rough_values_hide_no_roots(seed):
+    """A sketch is off by a part of each value: pairs of roots within 1e-3 of each other are there all the same.
+
+    Ripples about a slope make rows of roots, whose polynomial of degree 16 has one.
+    """
+    rng = np.random.default_rng(seed)
+    pairs = np.sort(rng.uniform(0.1, 0.9, 2))
+    pairs = np.sort([*pairs, *(pairs + rng.uniform(2e-4, 1e-3, 2))])
+    place, height, wave = rng.uniform(0.2, 0.8), 10 ** rng.uniform(-2, -1), rng.uniform(200, 2000)
+    for function in (
+        lambda x: np.exp(np.sin(7 * x)) * np.prod([x - root for root in pairs], axis=0),
+        lambda x: x - place + height * np.sin(wave * (x - place)),
+    ):
+
+        def rough(x, function=function):
+            value, error = function(x), 1e-3 * np.abs(function(x))
+            return value + rng.uniform(-1, 1, x.size) * error / 4, error
+
+        def close(x, function=function):
+            return function(x), NOISE * np.abs(function(x))
+
+        found = resolve(close, [0.0, 1.0], rtol=1e-8, most=40_000, sketch=rough)
+        signs = function(np.linspace(0, 1, 200_001)[1:-1]) > 0
+        assert found.unresolved == ()
+        assert len(found.roots()) == np.count_nonzero(np.diff(signs))
+
+
 def test_a_jump_a_kink_and_a_stretch_without_value():
     for edges in ([0, 1], [0, 0.3, 0.6, 1]):  # not known, and known
         jump = resolved(lambda x: np.where(x < 0.3, x - 1, 2 - x), edges)
