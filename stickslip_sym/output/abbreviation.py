@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping
+from operator import itemgetter
 from textwrap import fill
 
 import sympy as sp
@@ -83,7 +84,8 @@ def _repeated(expr: Expr) -> tuple[Expr, Definitions]:
             definitions.append((symbol, sp.sqrt(base)))
             expr = expr.xreplace({power: symbol ** (2 * power.exp) for power in powers})
             continue
-        size, _, block = max(((len(shown := text(node)), shown, node) for node in blocks), default=(0, "", None))
+        sized = [(len(shown := text(node)), shown, node) for node in blocks]
+        size, _, block = max(sized, key=itemgetter(0, 1), default=(0, "", None))  # two roots may be printed alike
         if size < _BLOCK:
             return expr, definitions
         definitions.append((sp.Dummy("block"), block))

@@ -16,6 +16,7 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import elementary
 
 _LEAST_DENOMINATOR = 100  # least denominator of a decimal; a smaller one is read at a glance
+_AMONG_DECIMALS = 5  # the same in a formula that has decimals: 0.4 beside 0.07, and 1/3
 _COMPUTED = 2**20  # least denominator of a binary number that was computed, not written
 _LONGEST_DECIMAL = 24  # characters
 _MOST_DIGITS = 400
@@ -56,39 +57,41 @@ class Readable:
 
 
 class _Text(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
-    def __init__(self, dummies: Mapping[Expr, str]) -> None:
+    def __init__(self, dummies: Mapping[Expr, str], least: int) -> None:
         super().__init__()
-        self.dummies = dummies
+        self.dummies, self._least = dummies, least
 
     def _print_Dummy(self, expr: Expr) -> str:
         return self.dummies[expr]
 
     def _print_Mul(self, expr: Expr) -> str:
         number, rest = expr.as_coeff_Mul()
-        over = is_over_decimal(number)
-        if not (over or is_decimal(number)):
+        written = "" if number.q == 1 else decimal(number, least=self._least)
+        over = not written and is_over_decimal(number)
+        if not (over or written):
             return str(super()._print_Mul(expr))
         shown = self.parenthesize(rest, PRECEDENCE["Mul"])
         if over:
             return f"{'-' * bool(number < 0)}{shown}/{decimal(abs(1 / number))}"
-        return decimal(number) + (shown.removeprefix("1") if shown.startswith("1/") else f"*{shown}")
+        return written + (shown.removeprefix("1") if shown.startswith("1/") else f"*{shown}")
 
     def _print_Rational(self, expr: Expr) -> str:
-        return decimal(expr) if is_decimal(expr) else str(super()._print_Rational(expr))
+        return decimal(expr, least=self._least) or str(super()._print_Rational(expr))
 
     def _print_Exp1(self, expr: Expr) -> str:
         del expr
         return "exp(1)"  # E may be a parameter
 
 
-def decimal(number: Expr, *, shortest: bool = False) -> str:
+def decimal(number: Expr, *, shortest: bool = False, least: int = _LEAST_DENOMINATOR) -> str:
     """Return an integer, or a rational that was written as a decimal (0.0788816, but 7/20 and 5/128), as text.
 
-    Other numbers give none. With `shortest` a binary number of double precision is its shortest decimal.
+    Other numbers give none. With `shortest` a binary number of double precision is its shortest decimal. `least` is
+    the least denominator of a decimal.
     """
     if number.q == 1:
         return str(number.p)
-    if number.q >= _LEAST_DENOMINATOR and number.q % 5 == 0 and 10**_LONGEST_DECIMAL % number.q == 0:
+    if number.q >= least and number.q % 5 == 0 and 10**_LONGEST_DECIMAL % number.q == 0:
         with localcontext(prec=_MOST_DIGITS):
             text = f"{Decimal(int(number.p)) / Decimal(int(number.q)):f}"
         return text if len(text) <= _LONGEST_DECIMAL else ""
@@ -128,4 +131,6 @@ def text(expr: Expr) -> str:
     """Return an expression or a relation as one line of text, e.g. ``N*(mu_s - mu_m)``."""
     if getattr(expr, "is_Relational", False):
         return f"{text(expr.lhs)} {expr.rel_op.replace('==', '=')} {text(expr.rhs)}"
-    return str(_Text(spellings(expr)).doprint(elementary(expr)))
+    has_decimals = any(map(is_decimal, expr.atoms(sp.Rational)))
+    least = _AMONG_DECIMALS if has_decimals else _LEAST_DENOMINATOR
+    return str(_Text(spellings(expr), least).doprint(elementary(expr)))

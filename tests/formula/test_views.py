@@ -175,3 +175,21 @@ def test_a_decimal_in_a_sympy_formula_is_read_as_it_was_written():
         assert law.expr == ss.FrictionLaw(f"{a!r} - {b!r}*tanh({c!r}*v)").expr
     exact = sp.Float("0.1", 40)
     assert ss.FrictionLaw(exact + v).expr.subs(symbols.v, 0) == sp.Rational(exact) != sp.Rational(1, 10)
+
+
+def test_roots_that_are_printed_alike_are_two():
+    """Roots of one formula have one name until they get letters; the steps of a law of the catalogue have such."""
+    derivation = ss.derive("rational", "harmonic").derivation
+    assert derivation.latex().count("\\begin{equation*}") >= len(derivation.steps)
+
+
+@pytest.mark.parametrize(
+    ("law", "text"),
+    [
+        ("0.4 + 0.07*v/(0.3 + v) + v^2/7", "v**2/7 + 0.07*(v/(v + 0.3)) + 0.4"),
+        ("33/20*v + 2.87 - 0.917*exp(-v/1.5)", "1.65*v + 2.87 - 0.917*exp(-2*v/3)"),
+        ("33/20*v + 2/5", "33*v/20 + 2/5"),
+    ],
+)
+def test_a_formula_with_decimals_has_no_tenths_beside_them(law, text):
+    assert ss.FrictionLaw(law).text == text
