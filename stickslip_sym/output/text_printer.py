@@ -86,8 +86,8 @@ class _Text(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
 def decimal(number: Expr, *, shortest: bool = False, least: int = _LEAST_DENOMINATOR) -> str:
     """Return an integer, or a rational that was written as a decimal (0.0788816, but 7/20 and 5/128), as text.
 
-    Other numbers give none. With `shortest` a binary number of double precision is its shortest decimal. `least` is
-    the least denominator of a decimal.
+    Other numbers give none. With `shortest` a binary number of double precision is its shortest decimal;
+    `least` is the least denominator of a decimal.
     """
     if number.q == 1:
         return str(number.p)
