@@ -246,9 +246,7 @@ def test_a_document_names_its_limits(name):
 PIECES = "Piecewise((0.5 - v/5, v < a), (0.5 - a/5 - 0.1*(v - a), True))"
 
 
-@pytest.mark.parametrize(
-    ("text", "limit"), [(PIECES, "N/10"), ("b*v*log(v)", r"-\infty"), ("b*exp(v)", r"-\infty")]
-)
+@sweep(("text", "limit"), [(PIECES, "N/10"), ("b*v*log(v)", r"-\infty"), ("b*exp(v)", r"-\infty")], 0, 2)
 def test_limits_of_pieces_and_infinite_ones(text, limit):
     assert rf"\infty$ it tends to ${limit}$." in ss.export_latex(ss.derive(text, search=False))
 

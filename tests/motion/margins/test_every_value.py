@@ -7,6 +7,7 @@ import pytest
 import sympy as sp
 from commands import inside, read_json
 from scipy.integrate import solve_ivp
+from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core import symbols
@@ -38,7 +39,7 @@ def test_the_threshold_put_in_as_damping_is_found_again(seed):
     assert f"{of} was looked at from " in str(found)
 
 
-@pytest.mark.parametrize("above", [0.0, 1e-3])
+@sweep("above", [0.0, 1e-3], 0)
 def test_two_at_an_extremum_of_strong_friction(above):
     """Where the gap of both halves is infinite, on either side: above the highest threshold there is none."""
     law, point = ss.laws.lorentzian.typical(), POINT | {"N": 60.0}
