@@ -182,13 +182,14 @@ def fitted(low: float, high: float, values: FloatArray, errors: FloatArray, rtol
 
 def sketched(
     low: float, high: float, values: FloatArray, errors: FloatArray, rtol: float
-) -> tuple[Piece | None, bool]:
-    """Return such a polynomial if what it leaves out hides no root at 0, and whether only errors of values may.
+) -> tuple[Piece | None, float]:
+    """Return such a polynomial if what it leaves out hides no root at 0, and errors of its values that hide none.
 
-    Where it has a root that has to be small beside its largest value; everywhere, beside its extrema and ends.
+    Where it has a root that has to be small beside its largest value; everywhere, beside its extrema and ends. The
+    errors are infinite where the polynomial is there, or its last coefficients hide one.
     """
     if not np.isfinite(values).all():
-        return None, False
+        return None, math.inf
     coefficients = values @ _COEFFICIENTS
     tail = float(np.abs(coefficients[-_TAIL:]).max())
     piece = Piece(low, high, coefficients, float(_NOISE * errors.max() + tail))
@@ -196,7 +197,9 @@ def sketched(
     largest, limit = max(map(abs, ends)), min(map(abs, ends)) / _CLEAR
     if min(ends) < 0.0 < max(ends):
         limit = min(limit, _PLAIN * largest)
-    return (piece, False) if piece.error <= limit else (None, tail <= max(limit / 2, rtol * largest))
+    if piece.error <= limit:
+        return piece, math.inf
+    return None, limit / 2 / _NOISE if tail <= max(limit / 2, rtol * largest) else math.inf
 
 
 def nodes(low: FloatArray, high: FloatArray) -> FloatArray:
@@ -231,11 +234,12 @@ def resolve(
             elif sketch is None:
                 piece = fitted(*ends, values[i], errors[i], rtol)
             else:
-                piece, by_errors = sketched(*ends, values[i], errors[i], rtol)
-                if by_errors:
-                    left -= NODES.size
-                    close = function(x[i])
-                    piece = sketched(*ends, *close, rtol)[0] or fitted(*ends, *close, rtol)
+                piece, enough = sketched(*ends, values[i], errors[i], rtol)
+                if (coarse := errors[i] > enough).any():
+                    left -= int(coarse.sum())
+                    values[i, coarse], errors[i, coarse] = function(x[i, coarse])
+                    piece = sketched(*ends, values[i], errors[i], rtol)[0]
+                    piece = piece or fitted(*ends, values[i], errors[i], rtol)
             fits[i] = piece is not None
             pieces += [piece] if piece is not None else []
         unknown = np.isnan(values).all(axis=1)
