@@ -26,7 +26,7 @@ import numpy as np
 from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.model.table import Pieces, Rise
-from stickslip_sym.motion.compiled import compilable, compiled, is_compiling, is_ready
+from stickslip_sym.motion.compiled import compilable, is_ready
 from stickslip_sym.motion.kernel.data import (
     ADDED,
     MOST_STEPS,
@@ -416,13 +416,11 @@ def needed_ratio(
     """
     check_time()
     eta, push = system.eta, system.push(1) if A == 1.0 else 0.0
-    fast = (fast and is_compiling()) or is_ready(needed_all)
-    harmonic = compiled(_harmonic) if fast else _harmonic  # in plain Python it takes longer than the search
-    wanted = _SHARE * rtol * abs(harmonic(system.table.at(system.V, arrays=fast), eta, A)[0])
+    wanted = _SHARE * rtol * abs(_harmonic(system.rise, eta, A)[0])
     loosest = _STIFF if abs(eta) > STRONG else TIGHT
     tight = next((steps for steps in (loosest, TIGHT) if steps <= wanted), PRECISE)
     orbit, rows = [np.array([value]) for value in (eta, push, A)], np.empty((1, 5))
-    system.spread(needed_all, orbit, (tight,), rows, few=0 if fast else 1)
+    system.spread(needed_all, orbit, (tight,), rows, few=0 if fast or is_ready(needed_all) else 1)
     end, zeta, error, low, high = rows[0].tolist()
     if end == End.LATE or is_late():  # then the last gap may be wrong
         raise OutOfTime(
