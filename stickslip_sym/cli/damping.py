@@ -42,14 +42,14 @@ def run(given: Given) -> None:
         raise InputError(
             f"a certificate is the script of a theorem: add --method proof, or leave out --certificate {script}"
         )
-    found, texts, certificates, at_all = list[Json](), [], [], points(given, without=("c",))
+    contents, texts, certificates, at_all = list[Json](), [], [], points(given, without=("c",))
     plot = given["plot"] if len(at_all) == 1 else None
     for at in at_all:
         given.all_used()
         if method is None:
             with under_way("thresholds by every method"):
                 compared = ss.compare(at.law, None, rtol=min(rtol, _RTOL), time_limit=limit, **at.texts)
-            found.append({"operating_point": at, "rows": compared.rows})
+            contents.append({"operating_point": at, "rows": compared.rows})
             texts.append(f"{at}\n\n{compared}")
             if plot is not None:
                 _draw(
@@ -60,7 +60,7 @@ def run(given: Given) -> None:
             threshold = ss.pure_slip_damping(at.law, **at.texts, method=method, rtol=rtol, time_limit=limit)
             _ = threshold.uncertainty  # warns where the first order is not enough
         text = f"c = {threshold}"
-        found.append({"operating_point": at, "threshold": threshold})
+        contents.append({"operating_point": at, "threshold": threshold})
         if script is not None:
             certificates += [theorem.certificate() for theorem in threshold.theorems]
         if plot is not None:
@@ -68,7 +68,7 @@ def run(given: Given) -> None:
         texts.append("\n\n".join(map(str, filter(None, (at, text, threshold.budget, threshold.theorem)))))
     if script is not None:
         write_text(script, "\n\n".join(certificates))
-    echo_all(given, found, texts)
+    echo_all(given, contents, texts)
 
 
 def _draw(path: Path, at: Point, threshold: Threshold) -> None:

@@ -44,8 +44,8 @@ def run(given: Given) -> None:
     given.all_used()
     # What the table cannot be computed for is refused before anything is derived or written.
     ss.Oscillator(**at.numbers)
-    for one in chosen:
-        law.require_speed(at.numbers["V"] * (1 if one.weight is None else 2))
+    for criterion in chosen:
+        law.require_speed(at.numbers["V"] * (1 if criterion.weight is None else 2))
     if not law.missing:
         warn_where_negative(law.kinetic, at.numbers["V"])
     derivations = dict(zip(chosen, derived([(law, criterion) for criterion in chosen], limit), strict=True))
@@ -54,15 +54,17 @@ def run(given: Given) -> None:
     if latex is not None and forms:
         files.write_text(latex, "\n".join(_latex(form, steps) for form in forms))
     rows, texts = list[Json](), [str(at)]
-    for one, form in derivations.items():
-        found = None if isinstance(form, NoClosedForm) else form
+    for criterion, form in derivations.items():
+        closed = None if isinstance(form, NoClosedForm) else form
         with under_way("table of values"):
-            checks = None if law.missing else crosscheck(law, one, at.texts, found)
-        rows.append({"criterion": one.name, "form": form, "checks": checks})
-        lines = [f"no closed form: {law.name or 'the law'}, {one.name}"] if found is None else _lines(found)
-        if steps and found is not None:
-            rows[-1]["steps"] = found.derivation.steps
-            lines += ["", found.derivation.text()]
+            checks = None if law.missing else crosscheck(law, criterion, at.texts, closed)
+        rows.append({"criterion": criterion.name, "form": form, "checks": checks})
+        lines = [f"no closed form: {law.name or 'the law'}, {criterion.name}"]
+        if closed is not None:
+            lines = _lines(closed)
+        if steps and closed is not None:
+            rows[-1]["steps"] = closed.derivation.steps
+            lines += ["", closed.derivation.text()]
         texts.append("\n".join([*lines, *(["", str(checks)] if checks else [])]))
     echo_all(given, [{"operating_point": at, "criteria": rows}], texts)
     if law.missing and forms:

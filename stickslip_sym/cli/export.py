@@ -56,14 +56,16 @@ def run(given: Given) -> None:
     given.all_used()
     unbound = _unbound(laws, every) if code else []
     wanted = [(law, criterion) for law in laws for criterion in chosen]
-    found = [(*pair, form) for pair, form in zip(wanted, derived(wanted, limit), strict=True)]
-    forms = [form for *_, form in found if not isinstance(form, NoClosedForm)]
-    missing = [(law, one.name, str(form)) for law, one, form in found if isinstance(form, NoClosedForm)]
+    forms_of = [(*pair, form) for pair, form in zip(wanted, derived(wanted, limit), strict=True)]
+    forms = [form for *_, form in forms_of if not isinstance(form, NoClosedForm)]
+    missing = [
+        (law, criterion.name, str(form)) for law, criterion, form in forms_of if isinstance(form, NoClosedForm)
+    ]
     if missing and len(code) < len(targets) and (not forms or (len(chosen) == 1 and not every)):
         raise NoClosedForm(missing[0][2])
     coded = [
         ss.slope_average(law, criterion) if isinstance(form, NoClosedForm) else form
-        for law, criterion, form in found
+        for law, criterion, form in forms_of
         if code and law not in unbound
     ]
     if "certificate" in targets:
@@ -81,7 +83,7 @@ def run(given: Given) -> None:
         what = "its fast function is written as code" if is_coded else "only the reason is written"
         click.echo(f"no closed form: {law.name or law.text}, {name}; {what}", err=True)
     if given["json"]:
-        content = [{"law": one.law.name, "criterion": one.criterion.name, "form": one} for one in forms]
+        content = [{"law": form.law.name, "criterion": form.criterion.name, "form": form} for form in forms]
         echo_json("export", criteria=content, files=targets)
         return
     # /dev/stdout holds what was asked for, and nothing else.

@@ -36,15 +36,15 @@ def run(given: Given) -> None:
     """
     files, plot = given["files"], given["plot"] if len(given["files"]) == 1 else None
     laws = laws_to_fit(given["law"], given)
-    found, texts = [], []
+    contents, texts = [], []
     for file in files:
         fits = fitted(file, laws, given)
-        found.append({"file": file, "fits": fits})
+        contents.append({"file": file, "fits": fits})
         above = f"{file}:\n" if len(files) > 1 else ""
         texts.append(f"{above}{fits}\n\n{fits.best}")
         if plot is not None:
             fits.plot(plot)
-    echo_all(given, found, texts, "files")
+    echo_all(given, contents, texts, "files")
 
 
 def fitted(file: Path, laws: Sequence[ss.FrictionLaw], given: Given) -> Fits:

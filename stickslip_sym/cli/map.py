@@ -81,15 +81,15 @@ def run(given: Given) -> None:
     given.all_used()
     _warn_at_corners(at.law, (x, y), at.numbers)
     with under_way("map"):
-        found = ss.motion_map(at.law, x=x, y=y, **how)
-    echo_found(given, at, report(found), x=found.x, y=found.y, map=found)
+        motions = ss.motion_map(at.law, x=x, y=y, **how)
+    echo_found(given, at, report(motions), x=motions.x, y=motions.y, map=motions)
     if csv is not None:
-        found.to_csv(csv)
+        motions.to_csv(csv)
     if npz is not None:
-        found.to_npz(npz)
+        motions.to_npz(npz)
     if plot is not None:
-        found.plot(plot)
-    if found.interrupted:
+        motions.plot(plot)
+    if motions.interrupted:
         raise click.Abort
 
 
@@ -106,35 +106,35 @@ def _warn_at_corners(
             return
 
 
-def report(found: MotionMap) -> str:
+def report(motions: MotionMap) -> str:
     """Return a picture of the map in letters, and the number of cells of each kind."""
     import numpy as np
 
-    region, kinds = found.regions()
+    region, kinds = motions.regions()
     rows, columns = (
         np.linspace(0, size - 1, min(size, most)).round().astype(int)
         for size, most in zip(region.shape, (_HEIGHT, _WIDTH), strict=True)
     )
     letters = np.array([kind.letter for kind in kinds])[region[np.ix_(rows[::-1], columns)]]
-    x, y = (f"{axis.name} = {axis.values[0]:g} to {axis.values[-1]:g}" for axis in (found.x, found.y))
-    reasons = found.reason.ravel().tolist()
+    x, y = (f"{axis.name} = {axis.values[0]:g} to {axis.values[-1]:g}" for axis in (motions.x, motions.y))
+    reasons = motions.reason.ravel().tolist()
     tables = {
         ("", "attractors", "cells", ""): [
             [kind.letter, kind.name, str(n), f"{100 * n / region.size:.1f} %"]
             for kind, n in zip(kinds, np.bincount(region.ravel(), minlength=len(kinds)), strict=True)
         ],
         ("from x = 0 with the belt's speed", "cells"): [
-            [motion.value, str(n)] for motion, n in found.count().items()
+            [motion.value, str(n)] for motion, n in motions.count().items()
         ],
-        ("decided", "cells"): [[one.value, str(reasons.count(one))] for one in dict.fromkeys(reasons)],
+        ("decided", "cells"): [[reason.value, str(reasons.count(reason))] for reason in dict.fromkeys(reasons)],
     }
     parts = [
         "\n".join([*map("".join, letters), f"{y} upwards, {x} to the right"]),
         *map(table, tables, tables.values()),
     ]
-    if found.notes:
-        (row, column), text = next(iter(found.notes.items()))
-        where = f"{found.x.name} = {found.x.values[column]:g}, {found.y.name} = {found.y.values[row]:g}"
-        many = f"{len(found.notes)} cells have a note; the first"
-        parts.append(f"{'one cell has a note' if len(found.notes) == 1 else many}, at {where}: {text}")
+    if motions.notes:
+        (row, column), text = next(iter(motions.notes.items()))
+        where = f"{motions.x.name} = {motions.x.values[column]:g}, {motions.y.name} = {motions.y.values[row]:g}"
+        many = f"{len(motions.notes)} cells have a note; the first"
+        parts.append(f"{'one cell has a note' if len(motions.notes) == 1 else many}, at {where}: {text}")
     return "\n\n".join(parts)

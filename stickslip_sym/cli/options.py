@@ -47,9 +47,9 @@ class Given:
 
 def command(*parameters: click.Parameter | Sequence[click.Parameter]) -> Callable[..., click.Command]:
     """Return a decorator that makes a function of `Given` the command of its file; its docstring is the help."""
-    flat = [one for some in parameters for one in ([some] if isinstance(some, click.Parameter) else some)]
+    flat = [each for some in parameters for each in ([some] if isinstance(some, click.Parameter) else some)]
     flat.append(option("--json", is_flag=True, is_eager=True, help="Print JSON instead of text."))
-    if any(one.metavar == "FILE" and one.type is click.STRING for one in flat):
+    if any(each.metavar == "FILE" and each.type is click.STRING for each in flat):
         flat.append(option("--overwrite", is_flag=True, is_eager=True, help="Let files be replaced."))
 
     def made(function: Callable[[Given], None]) -> click.Command:

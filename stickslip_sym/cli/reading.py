@@ -69,7 +69,7 @@ def points(
     - `law`: one that is fitted, so that none is read.
     """
     wanted = {name: default for name, default in {**PAPER, "c": c}.items() if name not in without}
-    found = []
+    read = []
     for file in given["point"] or (None,):
         content = {} if file is None else _toml(file)
         stated = {name: content.get(name) if given[name] is None else given[name] for name in wanted}
@@ -81,9 +81,9 @@ def points(
             values |= given["parameter"]
             friction = law_described(given, given["law"] or content.get("law")).typical(**values)
             typical = tuple(name for name in friction.values if name not in values)
-        found.append(Point(friction, typical, texts, tuple(defaults), file))
-        _ = found[-1].numbers  # refuses text that is no number
-    return found
+        read.append(Point(friction, typical, texts, tuple(defaults), file))
+        _ = read[-1].numbers  # refuses text that is no number
+    return read
 
 
 def point(given: Given, **more: Any) -> Point:

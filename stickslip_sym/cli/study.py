@@ -64,34 +64,34 @@ def run(given: Given) -> None:
         laws = laws_to_fit([given["law"]] if given["law"] else (), given)
         at = points(given, c="0", law=laws[0])
         fits = fitted(file, laws, given)
-        at = [replace(one, law=fits.best.law) for one in at]
-    stems = [one.file.stem for one in at if one.file is not None]
+        at = [replace(point, law=fits.best.law) for point in at]
+    stems = [point.file.stem for point in at if point.file is not None]
     if twice := sorted({stem for stem in stems if stems.count(stem) > 1}):
         raise InputError(f"several files of values are called {twice[0]!r}, as their pages would be; rename one")
     contents, texts = [], []
-    for one in at:
-        suffix = f"-{one.file.stem}" if len(at) > 1 and one.file is not None else ""
+    for point in at:
+        suffix = f"-{point.file.stem}" if len(at) > 1 and point.file is not None else ""
         page, paper, sliders = (path and path.with_stem(path.stem + suffix) for path in (output, pdf, explore))
-        osc, written = ss.Oscillator(**one.numbers), list[str]()
-        contents.append({"operating_point": one, "page": page, "pdf": paper})
+        osc, written = ss.Oscillator(**point.numbers), list[str]()
+        contents.append({"operating_point": point, "page": page, "pdf": paper})
         if page is not None:
             with under_way("study"):
-                found = ss.study(
-                    fits or one.law, osc, errors=one.texts, measured=measured, name=name,
-                    defaults=(*one.typical, *one.defaults), time_limit=limit,
+                study = ss.study(
+                    fits or point.law, osc, errors=point.texts, measured=measured, name=name,
+                    defaults=(*point.typical, *point.defaults), time_limit=limit,
                 )  # fmt: skip
-            found.save(page)
-            written += found.findings
-            written.append(f"{page}: {len(found.page) / 1000:.0f} kB, in {found.seconds:.1f} s")
-            contents[-1]["study"] = found
+            study.save(page)
+            written += study.findings
+            written.append(f"{page}: {len(study.page) / 1000:.0f} kB, in {study.seconds:.1f} s")
+            contents[-1]["study"] = study
             if paper is not None:
-                found.print(paper)
+                study.print(paper)
                 written.append(f"{paper}: the same, printed")
         if sliders is not None:
             with under_way("exact thresholds for the page with sliders"):
-                explored = explorer(one.law, osc, title=name or "", time_limit=limit or _SECONDS)
+                explored = explorer(point.law, osc, title=name or "", time_limit=limit or _SECONDS)
             write_text(sliders, explored)
             written.append(f"{sliders}: {len(explored) / 1000:.0f} kB, with sliders")
             contents[-1]["explorer"] = sliders
-        texts.append("\n".join([f"{one}\n", *written]))
+        texts.append("\n".join([f"{point}\n", *written]))
     echo_all(given, contents, texts)

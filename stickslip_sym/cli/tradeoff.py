@@ -40,7 +40,7 @@ def run(given: Given) -> None:
     given.all_used()
     quantities: dict[str, Any] = dict(at.texts)
     with under_way("methods, each several times"):
-        found = ss.tradeoff(at.law, of=kinds, time_limit=limit, **more, **quantities)
-    echo_found(given, at, found, **more, trades=found.trades, refused=found.refused)
+        tradeoff = ss.tradeoff(at.law, of=kinds, time_limit=limit, **more, **quantities)
+    echo_found(given, at, tradeoff, **more, trades=tradeoff.trades, refused=tradeoff.refused)
     if plot is not None:
-        found.plot(plot)
+        tradeoff.plot(plot)

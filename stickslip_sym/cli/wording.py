@@ -38,8 +38,8 @@ def _given(context: click.Context, name: str, value: str) -> str:
 def _options(context: click.Context, command: str | None) -> set[str]:
     if command is None or not isinstance(context.command, click.Group):
         return set()
-    found = context.command.get_command(context, command)
-    return set() if found is None else {text for parameter in found.params for text in parameter.opts}
+    given = context.command.get_command(context, command)
+    return set() if given is None else {text for parameter in given.params for text in parameter.opts}
 
 
 def _option(name: str) -> str:

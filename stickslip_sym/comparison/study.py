@@ -176,30 +176,30 @@ class Study:
     @property
     def _decision(self) -> str:
         """What the motions come to: without bound first, then stick-slip."""
-        found = self.regime
-        if found is None:
+        motions = self.regime
+        if motions is None:
             return "Whether there is stick-slip was not found"
-        if found.unbounded:
-            kinds = [kind.region.name for kind in ATTRACTORS if kind.of(found)]
+        if motions.unbounded:
+            kinds = [kind.region.name for kind in ATTRACTORS if kind.of(motions)]
             others = f", and others come to {' or '.join(kinds)}" if kinds else ""
             return f"{'Motions far out grow' if kinds else 'Every motion grows'} without bound{others}"
-        if found.stick_slip and found.coexist:
+        if motions.stick_slip and motions.coexist:
             return "Stick-slip is possible, depending on the initial condition"
-        if found.stick_slip and not found.undecided:
+        if motions.stick_slip and not motions.undecided:
             return "There is stick-slip from every initial condition"
-        if found.undecided:
+        if motions.undecided:
             return "Whether there is stick-slip is not decided"
-        if any(cycle.stable for cycle in found.overtaking):
+        if any(cycle.stable for cycle in motions.overtaking):
             return "There is no stick-slip, but slip that overtakes the belt"
         return "There is no stick-slip"
 
     @property
     def state(self) -> Literal["sticks", "either", "rests"]:
         """How the decision is coloured; vibration beyond the belt's speed counts as stick-slip."""
-        found = self.regime
-        if found is None or found.coexist or found.undecided:
+        motions = self.regime
+        if motions is None or motions.coexist or motions.undecided:
             return "either"
-        if found.stick_slip or found.unbounded or any(cycle.stable for cycle in found.overtaking):
+        if motions.stick_slip or motions.unbounded or any(cycle.stable for cycle in motions.overtaking):
             return "sticks"
         return "rests"
 
@@ -245,20 +245,20 @@ class Study:
     @property
     def findings(self) -> list[str]:
         """What the study says, in sentences: the decision, the attractors, the threshold, the nearest change."""
-        found = [self.headline, self.verdict]
+        sentences = [self.headline, self.verdict]
         if self.threshold is not None:
-            found.append(f"The pure-slip damping is {self.threshold}.")
+            sentences.append(f"The pure-slip damping is {self.threshold}.")
         if self.choice is not None:
             laws = [
-                f"{_rounded(one.value, one.standard_error)} kg/s by {one.law} (weight {one.weight:.2g})"
-                for one in self.choice.rows
+                f"{_rounded(row.value, row.standard_error)} kg/s by {row.law} (weight {row.weight:.2g})"
+                for row in self.choice.rows
             ]
-            found.append(f"It is {', '.join(laws)}.")
+            sentences.append(f"It is {', '.join(laws)}.")
         if self.nearest is not None:
             change = f"{100 * self.nearest.change:+.3g} % in {self.nearest.name}"
-            found.append(f"The smallest change of one quantity that reaches the threshold is {change}.")
+            sentences.append(f"The smallest change of one quantity that reaches the threshold is {change}.")
         others = {part: why for part, why in self.refused.items() if part != "motions"}  # those the verdict has
-        return found + [f"The {part} could not be computed: {why}." for part, why in others.items()]
+        return sentences + [f"The {part} could not be computed: {why}." for part, why in others.items()]
 
     def value(self, name: str) -> float:
         """Return the value of a quantity or a parameter in SI units."""
@@ -273,19 +273,19 @@ class Study:
     @property
     def _remarks(self) -> dict[str, str]:
         """What the caption of a figure says of what is not in every one of them."""
-        found, regions, motion = dict[str, str](), self.plane, self.motion
+        remarks, regions, motion = dict[str, str](), self.plane, self.motion
         if regions is not None and np.nanmax(np.abs(regions["exact"] - regions["equilibrium"]), initial=0.0) > 0:
-            found["plane"] = (
+            remarks["plane"] = (
                 "Hatched: between the threshold and the stability of the equilibrium (dashed) the initial "
                 "condition decides, or a limit cycle in pure slip attracts."
             )
         if motion is not None and Phase.STICK in motion.phase:
-            found["time"] = "Thick lines are stick."
+            remarks["time"] = "Thick lines are stick."
         if self.regime is not None and (self.regime.separatrices or not all(c.stable for c in self.regime.cycles)):
-            found["phase"] = (
+            remarks["phase"] = (
                 "A separatrix, or an unstable cycle, parts the initial conditions of different motions."
             )
-        return found
+        return remarks
 
     @cached_property
     def page(self) -> str:
@@ -358,9 +358,9 @@ def _rounded(value: float, error: float | None) -> str:
     return text_with_error(value, error) if error else f"{value:.4g}"
 
 
-def _digits(found: Threshold) -> int:
+def _digits(threshold: Threshold) -> int:
     """Return the digits of a threshold that its own error leaves."""
-    error = found.relative_error
+    error = threshold.relative_error
     return _DIGITS if not error else min(max(1 - math.floor(math.log10(error)), 2), _DIGITS)
 
 
@@ -516,7 +516,7 @@ def _answers(subject: _Subject) -> tuple[Row, ...]:
     """Return thresholds by every method, and keep the most accurate of those that are not proved for the rest."""
     rows = compare(subject.law, rtol=_RTOL, time_limit=subject.each, **subject.point).rows
     thresholds = [row.threshold for row in rows if row.method in ("simulation", "orbit")]
-    subject.threshold = min(filter(None, thresholds), key=lambda found: found.relative_error, default=None)
+    subject.threshold = min(filter(None, thresholds), key=lambda threshold: threshold.relative_error, default=None)
     return rows
 
 
@@ -632,9 +632,9 @@ def _law(ax: Any, study: Study, law: FrictionLaw) -> None:
     draw_law(ax, law, top, measured, bounds, r"$\mu(v)$")
 
 
-def _plane(ax: Any, study: Study, found: Plane) -> None:
+def _plane(ax: Any, study: Study, thresholds: Plane) -> None:
     spread = {name: BAND * (study.standard_error(name) or 0.0) for name in "Vc"}
-    draw_plane(ax, found, study.oscillator, spread)
+    draw_plane(ax, thresholds, study.oscillator, spread)
 
 
 def _time(ax: Any, study: Study, motion: Trajectory) -> None:
@@ -647,11 +647,11 @@ def _time(ax: Any, study: Study, motion: Trajectory) -> None:
     ax.set_ylim(low - 0.22 * (high - low), high)  # for the legend
 
 
-def _phase_plane(ax: Any, study: Study, found: Regime) -> None:
-    handles = found.draw(ax)
+def _phase_plane(ax: Any, study: Study, motions: Regime) -> None:
+    handles = motions.draw(ax)
     if study.motion is not None:
         state = study.motion.at(np.linspace(0, study.motion.stretches[-1].end, _MANY))
-        reach = max([_GROWN * study.oscillator.V, *(1.2 * cycle.amplitude for cycle in found.cycles)])
+        reach = max([_GROWN * study.oscillator.V, *(1.2 * cycle.amplitude for cycle in motions.cycles)])
         shown = np.logical_and.accumulate(np.abs(state.v) <= reach)
         line = {"color": "0.7", "linewidth": 0.7, "zorder": 0, "label": "motion over time"}
         handles += ax.plot(state.x[shown], state.v[shown], **line)

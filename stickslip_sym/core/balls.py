@@ -33,7 +33,7 @@ _Part: TypeAlias = acb | Callable[..., Any]
 _LARGEST_POWER = 64  # of an integer exponent that is multiplied out; a power by logarithm fails around 0
 _NUMBER_BITS = 4000  # of a number that is no rational one: beyond the digits of any answer
 _NOWHERE = acb("nan")
-copyreg.pickle(arb, lambda one: (arb, tuple(tuple(map(int, part.man_exp())) for part in (one.mid(), one.rad()))))
+copyreg.pickle(arb, lambda ball: (arb, tuple(tuple(map(int, end.man_exp())) for end in (ball.mid(), ball.rad()))))
 
 
 def rational(value: Expr) -> fmpq:

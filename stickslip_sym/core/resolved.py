@@ -127,7 +127,7 @@ class Resolved:
         From each to the next the function only rises, or only falls, within its errors. Ends of the range count,
         and so do kinks and both sides of jumps.
         """
-        found, way = list[Turn](), 0
+        extrema, way = list[Turn](), 0
         turns = [turn for turns in self._turns for turn in turns]
         if not turns:
             return ()
@@ -135,16 +135,16 @@ class Resolved:
         for turn in turns:
             least, most = min(least, turn, key=_value), max(most, turn, key=_value)
             if way >= 0 and most.value - turn.value > most.error + turn.error:
-                found.append(most)
+                extrema.append(most)
                 least, way = turn, -1
             elif way <= 0 and turn.value - least.value > turn.error + least.error:
-                found.append(least)
+                extrema.append(least)
                 most, way = turn, 1
-        return (*found, least if way < 0 else most)
+        return (*extrema, least if way < 0 else most)
 
     def roots(self, level: float = 0.0) -> list[Root]:
         """Return where the function takes a value, ascending; a jump past it counts, and so does touching it."""
-        found = [Root(turn.x, turn.x, turn.x) for turn in self.turns if turn.value == level]
+        roots = [Root(turn.x, turn.x, turn.x) for turn in self.turns if turn.value == level]
         for low, high in pairwise(self.turns):
             if min(low.value, high.value) < level < max(low.value, high.value):
                 ends = {low.x: low.value, high.x: high.value}  # one side each, where the function jumps there
@@ -153,8 +153,8 @@ class Resolved:
                     return min(max(ends.get(x, self(x)) - level, -_FARTHEST), _FARTHEST)
 
                 x = brentq(off, low.x, high.x) if low.x < high.x else low.x
-                found.append(Root(x, low.x, high.x))
-        return sorted(found)
+                roots.append(Root(x, low.x, high.x))
+        return sorted(roots)
 
     def open_at(self, level: float) -> list[tuple[float, float]]:
         """Return the intervals in which it is not known how often the function takes a value, ascending.

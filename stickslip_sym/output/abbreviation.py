@@ -59,7 +59,9 @@ def formula(left: str, expr: Expr) -> str:
         return f"{_INDENT}{left} = {text(expr)}"
     expr, definitions = _with_letters(*_repeated(expr), {})
     where = [f"{_INDENT}where"] if definitions else []
-    return "\n".join([_wrapped(left, expr), *where, *(_wrapped(one.name, value) for one, value in definitions)])
+    return "\n".join(
+        [_wrapped(left, expr), *where, *(_wrapped(letter.name, value) for letter, value in definitions)]
+    )
 
 
 def _wrapped(left: str, expr: Expr) -> str:
@@ -101,7 +103,7 @@ def _with_letters(expr: Expr, definitions: Definitions, names: Mapping[str, str]
     own = {symbol for symbol, _ in definitions}
     others = set().union(expr.free_symbols, *(value.free_symbols for _, value in definitions)) - own
     written = [*names, *names.values(), *(symbol.name for symbol in others)]
-    free = (one for one in _LETTERS if not any(look(name).startswith(one) for name in written))
+    free = (letter for letter in _LETTERS if not any(look(name).startswith(letter) for name in written))
     letter = next(free, "Q")
     new = {
         symbol: sp.Symbol(letter if len(definitions) == 1 else f"{letter}_{number}", positive=symbol.is_positive)

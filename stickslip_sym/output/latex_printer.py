@@ -55,16 +55,16 @@ _KINDS = {
 
 def binding(latex: str) -> Binding:
     """Return what a text is read as."""
-    found, depth = Binding.FACTOR, 0
+    weakest, depth = Binding.FACTOR, 0
     for token in _TOKEN.finditer(latex):
         text = token[0]
         if depth == 0:
             kind = Binding.PRODUCT if text.isspace() else _KINDS.get(text, Binding.FACTOR)
             if text == r"\frac" and latex.startswith(_OPERATORS, token.end()):
                 kind = Binding.OPEN
-            found = min(found, kind)
+            weakest = min(weakest, kind)
         depth += (text in _OPENING) - (text in _CLOSING)
-    return found
+    return weakest
 
 
 def held(latex: str, least: Binding) -> str:
@@ -222,7 +222,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         first = [] if number == 1 and (fraction or parts) else [sp.sympify(number)]
         if not fraction and len(first) + len(parts) == 1:
             return str(self._print([*first, *parts][0]))
-        texts = [fraction] if fraction else [self._print(one) for one in first]
+        texts = [fraction] if fraction else [self._print(factor) for factor in first]
         for position, factor in enumerate(parts):
             printed = self._print(factor)
             is_last = position == len(parts) - 1
@@ -308,7 +308,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             return f"^{{{count}}}" if count != 1 else ""
 
         over = sign + power(sum(count for _, count in expr.variable_count))
-        below = " ".join(f"{sign} {self._print(one)}{power(count)}" for one, count in expr.variable_count)
+        below = " ".join(f"{sign} {self._print(symbol)}{power(count)}" for symbol, count in expr.variable_count)
         return f"\\frac{{{over}}}{{{below}}} {held(self._print(expr.expr), Binding.FACTOR)}"
 
     def _print_Integral(self, expr: Expr) -> str:

@@ -133,18 +133,18 @@ def _places(latex: str) -> tuple[list[tuple[int, int, float]], float]:
     Never inside a group, or between \left and \right.
     """
     tokens = _TOKEN.findall(latex)
-    found, position, depth, fixed, total, i = [], 0, 0, 0, 0.0, 0
+    breaks, position, depth, fixed, total, i = [], 0, 0, 0, 0.0, 0
     while i < len(tokens):
         token = tokens[i]
         if token in "+-" and not fixed and i and tokens[i - 1].isspace() and tokens[i + 1].isspace():
-            found.append((position, depth, total))
+            breaks.append((position, depth, total))
         fixed += _FIXED.get(token, 0)
         depth += _DEPTHS.get(token, 0)
         part, following = _part(tokens, i)
         total += part
         position += sum(map(len, tokens[i:following]))
         i = following
-    return found, total
+    return breaks, total
 
 
 # -- words -----------------------------------------------------------------------------------------

@@ -55,24 +55,24 @@ def notation_of(names: Iterable[str], given: Mapping[str, str] | None = None) ->
     chosen = {name: latex for name in sorted(names) if (latex := (given or {}).get(name)) is not None}
     for name, latex in chosen.items():
         _check(name, latex)
-    found = distinct_notation(names - set(chosen), {}) | chosen
+    notation = distinct_notation(names - set(chosen), {}) | chosen
     looks: dict[str, str] = {}
-    for name, latex in sorted(found.items()):
+    for name, latex in sorted(notation.items()):
         other = looks.setdefault(look(latex), name)
         if other != name:
             raise InputError(
                 f"{other} and {name} would both be printed as {latex!r}; choose another symbol for one"
             )
-    return found
+    return notation
 
 
 def distinct_notation(names: Iterable[str], known: Mapping[str, str]) -> dict[str, str]:
     """Return the LaTeX of each name: what is known, and for others what looks like none of the rest."""
-    found = dict(known)
+    notation = dict(known)
     for name in sorted(set(names) - set(known)):
         latex = latex_name(name)
-        found[name] = _spelled_out(name) if look(latex) in set(map(look, found.values())) else latex
-    return found
+        notation[name] = _spelled_out(name) if look(latex) in set(map(look, notation.values())) else latex
+    return notation
 
 
 def _spelled_out(name: str) -> str:

@@ -118,13 +118,13 @@ def spellings(expr: Expr, names: Iterable[str] = ()) -> dict[Expr, str]:
     """
     symbols = expr.atoms(sp.Symbol)
     taken = {symbol.name for symbol in symbols if not symbol.is_Dummy} | set(names)
-    found = {}
+    spelled = {}
     for dummy in sorted((symbol for symbol in symbols if symbol.is_Dummy), key=sp.default_sort_key):
-        found[dummy] = dummy.name
-        while found[dummy] in taken:
-            found[dummy] += "_"
-        taken.add(found[dummy])
-    return found
+        spelled[dummy] = dummy.name
+        while spelled[dummy] in taken:
+            spelled[dummy] += "_"
+        taken.add(spelled[dummy])
+    return spelled
 
 
 def text(expr: Expr) -> str:

@@ -227,7 +227,7 @@ def _terms(v: FloatArray, sweep: IntArray) -> list[FloatArray]:
     """Return polynomials of the speed, where both branches reach it, and held beyond, as half of a difference."""
     up, down = v[sweep > 0], v[sweep < 0]
     low, high = _shared(v, sweep)
-    shared = [int(((one >= low) & (one <= high)).sum()) for one in (up, down)]
+    shared = [int(((speeds >= low) & (speeds <= high)).sum()) for speeds in (up, down)]
     if low >= high or min(shared) < _FEWEST:
         return []
     knots = _knots(v)  # the polynomials are as fine as the rows are dense

@@ -110,8 +110,8 @@ def _meanings(name: str) -> tuple[str, ...]:
     words = [word for word in _BREAKS.split(name.lower().translate(_GREEK)) if word and word not in _QUALIFIERS]
     for i in range(len(words)):
         parts = ["".join(part) for part in (words[:i], words[i:]) if part]
-        found = {next((kind for form, kind in _WORDS.items() if re.fullmatch(form, part)), ()) for part in parts}
-        if len(found) == 1 and (meanings := found.pop()):
+        senses = {next((kind for form, kind in _WORDS.items() if re.fullmatch(form, part)), ()) for part in parts}
+        if len(senses) == 1 and (meanings := senses.pop()):
             return meanings
     return ()
 
@@ -170,7 +170,7 @@ class Column:
     def possible(self) -> tuple[str, ...]:
         """What the column may hold, with its unit."""
         unit = self.unit
-        return tuple(one for one in self.meanings if unit is None or unit.kind in KINDS[one])
+        return tuple(meaning for meaning in self.meanings if unit is None or unit.kind in KINDS[meaning])
 
     @property
     def size(self) -> Fraction:
@@ -192,12 +192,12 @@ def choose_columns(
     for quantity, text in chosen.items():
         headers = _chosen(headers, where, quantity, str(text).strip())
     columns: dict[str, Column] = {}
-    rolling = next((one for one in headers if _ROLLING.fullmatch(_BREAKS.sub("", one.name))), None)
+    rolling = next((header for header in headers if _ROLLING.fullmatch(_BREAKS.sub("", header.name))), None)
     has_mu = any(header.meanings == ("mu",) for header in headers)
     for header in headers:
         meanings = header.meanings
         if has_mu and meanings != ("mu",):  # forces beside mu are not needed
-            meanings = tuple(one for one in header.possible or meanings if one in ("v", "sigma_mu", "n"))
+            meanings = tuple(name for name in header.possible or meanings if name in ("v", "sigma_mu", "n"))
         if meanings:
             column = replace(header, meanings=meanings)
             fault = _fault(column, columns, radius)
@@ -225,7 +225,7 @@ def _chosen(headers: Sequence[Column], where: str, quantity: str, text: str) -> 
         named = named or [header for header in headers if name == str(header.number)]
         if len(named) == 1:
             others = [
-                replace(header, meanings=tuple(one for one in header.meanings if one != quantity))
+                replace(header, meanings=tuple(meaning for meaning in header.meanings if meaning != quantity))
                 for header in headers
             ]
             unit_text = unit_text or named[0].unit_text

@@ -363,7 +363,7 @@ def read_measurements(
     if table.unread:
         more = len(table.unread) - 4
         notes.append(f"columns not read: {', '.join(table.unread[:4])}" + (f" and {more} more" * (more > 0)))
-    sigma, counts = (None if one is None else one[order] for one in (sigma, counts))
+    sigma, counts = (None if column is None else column[order] for column in (sigma, counts))
     source = f"{path.name}, {datetime.fromtimestamp(path.stat().st_mtime, UTC):%Y-%m-%d}"
     rows = f"{len(order)} row{'s' * (len(order) != 1)}"
     understood = ", ".join([rows, *_columns_in_words(table), *notes])

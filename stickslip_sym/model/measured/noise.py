@@ -15,7 +15,7 @@ def correlation_of(e: FloatArray, k: int) -> tuple[float, float, int]:
     The noise is autoregressive, of the order up to four, with a partial correlation that white noise would not
     show, that leaves the fewest. By Levinson's and Durbin's recursion; 1, 0 and 0 if there is none.
     """
-    count, found = len(e), (1.0, 0.0, 0)
+    count, strongest = len(e), (1.0, 0.0, 0)
     deviation = np.sqrt(count) / (count - 3)
     weights, left, r = np.zeros(0), 1.0, np.zeros(0)
     for lag in range(1, min(_LAGS, count // 4) + 1):
@@ -26,6 +26,6 @@ def correlation_of(e: FloatArray, k: int) -> tuple[float, float, int]:
         left *= 1 - partial**2
         gain = max(1 - float(weights.sum()), 1 - _MOST_CORRELATED)
         inflation = min(left / gain**2, (1 + _MOST_CORRELATED) / (1 - _MOST_CORRELATED))
-        if partial > _CORRELATED * deviation and inflation > found[0]:
-            found = inflation, partial, lag
-    return found
+        if partial > _CORRELATED * deviation and inflation > strongest[0]:
+            strongest = inflation, partial, lag
+    return strongest

@@ -71,7 +71,7 @@ class Table:
         with localcontext(prec=_PRECISION):
             factor = Decimal(size.numerator) / size.denominator
             pairs = zip(map(Decimal, self.cells[quantity]), map(Decimal, below), strict=True)
-            return np.array([float(above * factor / one) for above, one in pairs])
+            return np.array([float(above * factor / divisor) for above, divisor in pairs])
 
     def place(self, row: int, quantity: str) -> str:
         """Return the file, the line and the column of a number."""
@@ -209,13 +209,13 @@ def _layout_of_chosen(lines: Sequence[_Line], name: str) -> tuple[str, list[str]
                 widths[all(numeric), mark, len(numeric)] += 1
     if not widths:
         raise InputError(f"{name} has no rows of numbers in columns; write a line for each, like 0.1,0.35")
-    whole, mark, count = max(widths, key=lambda one: (one[0], widths[one]))
+    whole, mark, count = max(widths, key=lambda width: (width[0], widths[width]))
     first = next(
         i for i, line in enumerate(rows)
         if len(cells := _names(line.text, mark)) == count and (all if whole else any)(map(_is_number, cells))
     )  # fmt: skip
-    above = [(one, _names(one.text, mark)) for one in lines[: lines.index(rows[first])]]
-    wide = [(one, cells) for one, cells in above if len(cells) == count]
+    above = [(line, _names(line.text, mark)) for line in lines[: lines.index(rows[first])]]
+    wide = [(line, cells) for line, cells in above if len(cells) == count]
     if not wide:
         return mark, [""] * count, name, rows[first:]
     line, header = wide[-1]
@@ -233,7 +233,7 @@ def _layout(lines: Sequence[_Line], name: str) -> tuple[str, list[str], str, lis
     """
     rows = [line for line in lines if not line.comment]
     for i, line in enumerate(lines[:_LOOKED_AT]):
-        start = sum(not one.comment for one in lines[: i + 1])
+        start = sum(not earlier.comment for earlier in lines[: i + 1])
         below = rows[start : start + 1]
         cells = {mark: _names(line.text, mark) for mark in SEPARATORS}
         first = {mark: _names(below[0].text, mark) if below else [] for mark in SEPARATORS}
@@ -259,9 +259,9 @@ def _layout(lines: Sequence[_Line], name: str) -> tuple[str, list[str], str, lis
         numbers = [mark for mark in SEPARATORS if len(cells[mark]) > 1 and all(map(_is_number, cells[mark]))]
         if numbers and not line.comment:
             mark, count = numbers[0], len(cells[numbers[0]])
-            wide = [one for one in lines[:i] if len(_names(one.text, mark)) == count]
+            wide = [earlier for earlier in lines[:i] if len(_names(earlier.text, mark)) == count]
             header = _names(wide[-1].text, mark) if wide else []
-            above = [list(map(_is_number, _names(one.text, mark))) for one in rows[: start - 1]]
+            above = [list(map(_is_number, _names(row.text, mark))) for row in rows[: start - 1]]
             rowlike = any(2 * sum(numeric) > len(numeric) for numeric in above)
             if rowlike or any(map(_is_number, header)) or (below and len(first[mark]) != count):
                 break

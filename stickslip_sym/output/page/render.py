@@ -49,7 +49,7 @@ def render(template: Path, **values: Any) -> str:
     environment = Environment(
         loader=FileSystemLoader([template.parent, _FRAME]), autoescape=True, trim_blocks=True, lstrip_blocks=True,
         undefined=StrictUndefined, keep_trailing_newline=True,
-        finalize=lambda one: one if hasattr(one, "__html__") else Markup(escaped(str(one), quote=True)),
+        finalize=lambda value: value if hasattr(value, "__html__") else Markup(escaped(str(value), quote=True)),
     )  # fmt: skip
     filters = {"number": number, "percent": percent, "prose": prose, "symbol": symbol, "with_error": with_error}
     environment.filters |= filters
@@ -110,11 +110,11 @@ def equation(left: Expr, right: Expr) -> Markup:
 
 def versions() -> dict[str, str]:
     """Return what computes here: Python, packages as far as they are installed, the machine."""
-    found = {"python": platform.python_version(), "stickslip_sym": __version__}
+    versions = {"python": platform.python_version(), "stickslip_sym": __version__}
     for name in _PACKAGES:
         with suppress(PackageNotFoundError):
-            found[name] = version(name)
-    return found | {"platform": platform.platform(), "machine": platform.machine()}
+            versions[name] = version(name)
+    return versions | {"platform": platform.platform(), "machine": platform.machine()}
 
 
 def now() -> str:
