@@ -296,7 +296,7 @@ _ROWS = (
              hypergeometric=lambda m: sp.pi / 2 * sp.hyper((-_HALF, _HALF), (1,), m), latex="E", dlmf="19.4, 19.5",
              meaning="$E(m)$ is the complete elliptic integral of the second kind of the parameter $m$"),
     Function(sp.elliptic_pi, acb.elliptic_pi, _anywhere, domain=lambda n, m: (1 - n, 1 - m), latex=r"\Pi",
-             dlmf="19.4, 19.5", meaning=r"$\Pi(n, m)$ is the one of the third kind, of the characteristic $n$"),
+             dlmf="19.2, 19.4, 19.5", meaning=r"$\Pi(n, m)$ is the one of the third kind, of the characteristic $n$"),
     Function(Lerch, Lerch.ball, _anywhere, domain=lambda z, s, a: () if z.is_nonpositive else None,
              latex=r"\Phi"),
     Function(sp.Ei, acb.ei, _anywhere, domain=lambda z: (z,), latex=r"\operatorname{Ei}",

@@ -397,7 +397,7 @@ class _Section:
             yield f"assert at(0, {slope} / ({nearer})) > 1.5, {message}"
             yield f"assert at(0, {slope}) * {name} < 0, {message}"
         elif power == 0:
-            yield from self._said(name, limit, f"as {moves}, c tends to the limit of -N mu'")
+            yield from self._said(name, limit, f"as {moves}, c tends to -N mu', compared at one v")
             yield f"assert abs(at(0, {name} + {slope})) < 1e-25, {message}"
         else:
             p, mean = self.code(power), ""

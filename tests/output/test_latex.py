@@ -242,7 +242,8 @@ def test_widths_of_signs_are_those_of_the_fonts():
     expected |= {sign: width + 2 * thick for sign, width in relations.items()}
     expected |= {"+": roman["plus"] + 2 * medium, "-": signs["minus"] + 2 * medium}
     expected |= {sign: expected[sign] + thin for sign in ",;"} | {r"\int": large["integraldisplay"] + thin}
-    names = ("ln", "sin", "cos", "tan", "sinh", "cosh", "tanh", "coth", "arctan", "exp")
+    names = ("ln", "sin", "cos", "tan", "sinh", "cosh", "tanh", "coth", "arctan", "exp",
+             "arcsin", "arccos", "min", "max")  # fmt: skip
     expected |= {rf"\{name}": sum(roman[letter] for letter in name) + thin for name in names}
     expected |= {rf"\{size}l": large[f"parenleft{size}"] - roman["parenleft"] for size in ("big", "bigg")}
     for sign, points in expected.items():
