@@ -350,10 +350,15 @@ def _decimal_sign(cells: Sequence[str], name: str) -> str:
 
 
 def _stand_ins(values: FloatArray, cells: Sequence[str]) -> BoolArray:
-    """Return where a number stands for none: an overflow, or nines like 9999 or -999 beyond all others."""
+    """Return where a number stands for none: an overflow, or nines like 9999 or -999.
+
+    These are beyond all other numbers, or negative and written without decimals where all others have some.
+    """
     nines = np.array([_NINES.fullmatch(cell) is not None for cell in cells], dtype=bool)
     others = values[~nines]
+    have_decimals = all("." in cell or "," in cell for cell, nine in zip(cells, nines, strict=True) if not nine)
     for i in np.flatnonzero(nines):
         ratio = others / values[i]
-        nines[i] = not ((ratio > 0.5) & ((ratio < 2) | (values[i] > 0))).any()
+        is_near = ((ratio > 0.5) & ((ratio < 2) | (values[i] > 0))).any()
+        nines[i] = not is_near or (values[i] < 0 and have_decimals)
     return np.asarray(nines | ~(np.abs(values) < _OVERFLOW))

@@ -238,6 +238,15 @@ def test_planted_faults_are_refused_with_their_line(folder, seed):
         np.testing.assert_array_equal(old, new, err_msg=faulty)
 
 
+def test_nines_among_speeds_in_both_directions_stand_for_none_where_all_others_have_decimals(tmp_path):
+    rows = [f"{sign * (990 + 3.7 * i):.1f},0.3" for i, sign in enumerate([1, -1] * 6)]
+    faulty = [*rows[:4], "-999,0.3", *rows[4:]]
+    with pytest.raises(ss.InputError, match=r"line 6.*stands for no value"):
+        ss.read_measurements(write(tmp_path, "\n".join(["v [mm/s],mu", *faulty])))
+    whole = [f"{row.split('.')[0].split(',')[0]},0.3" for row in faulty]
+    assert len(ss.read_measurements(write(tmp_path, "\n".join(["v [mm/s],mu", *whole])))) == 13
+
+
 def test_rows_with_faults_are_left_out_and_counted(tmp_path):
     rng = np.random.default_rng(77)
     v = np.round(np.linspace(0.01, 1, 40), 4)
