@@ -34,6 +34,7 @@ _Others: TypeAlias = tuple[Criterion, FrictionTable, bool, tuple[float, ...]]
 _Three: TypeAlias = tuple[FloatArray, FloatArray, FloatArray]
 _Four: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 _ROUNDING = 1e-14  # of the average of abs(mu')
+_TABULATED = 1e-13  # of a rise: the error of a table
 _ROUNDED = 8 * np.finfo(np.float64).eps  # of mu: what rises are not known to
 
 
@@ -142,9 +143,12 @@ def _summed(
     # Slopes at rounded speeds do not add up to the rise where mu is steep; the rise is what counts there.
     lack = rises / (V * A) - (slopes * panels.share).reshape(len(V), -1, _NODES).sum(axis=2)
     # Far out it is a difference of numbers that are nearly the same, and the slopes are what is known.
-    lack[np.abs(lack) * (V * A) <= _ROUNDED * np.maximum(sizes[:, 1:], sizes[:, :-1])] = 0.0
-    average -= (lack * (heights[1:] + heights[:-1]) / 2).sum(axis=1)
-    off = (np.abs(lack) * np.abs(np.diff(heights))).sum(axis=1)
+    larger, amount = np.maximum(sizes[:, 1:], sizes[:, :-1]), np.abs(lack) * (V * A)
+    lack[amount <= _ROUNDED * larger] = 0.0
+    middle, highest = (heights[1:] + heights[:-1]) / 2, np.maximum(heights[1:], heights[:-1])
+    average -= (lack * middle).sum(axis=1)
+    # Where in a panel it lacks is not known, nor whether it does where a table may be off by as much.
+    off = (np.abs(lack) * np.where(amount <= _TABULATED * larger, highest, np.abs(np.diff(heights)))).sum(axis=1)
     return average, size, np.where(speeds[:, -1] <= table.end, off, np.inf), tails
 
 

@@ -27,11 +27,34 @@ def test_narrow_laws_within_the_stated_error(shape):
     assert error <= 1e-8 / V
 
 
-@pytest.mark.parametrize("V", [1e-9, 0.5, 1e4])
-@pytest.mark.parametrize("name", ["rational", "stribeck", "brown_mcphee"])
-def test_catalogue_within_the_stated_error(name, V):
-    deviation, error = off(ss.laws[name].typical(), harmonic, V)
-    assert deviation <= error
+def over_24_decades(name, count):
+    """Return belt speeds of a law, another one in each of some equal ranges of the logarithm."""
+    rng = np.random.default_rng([*name.encode()])
+    return 10.0 ** (-12 + 24 * (np.arange(count) + rng.uniform(size=count)) / count)
+
+
+@pytest.mark.parametrize("name", ss.laws)
+def test_the_rule_is_within_its_error_over_24_decades(name):
+    law = ss.laws[name].typical()
+    for V, criterion in zip(over_24_decades(name, 4).tolist(), [least_squares, harmonic] * 2, strict=True):
+        deviation, error = off(law, criterion, V)
+        assert deviation <= error
+        assert error <= 1e-12 * gauss_average(law.bound, [V], criterion=criterion)[2][0]
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("criterion", [least_squares, harmonic])
+@pytest.mark.parametrize("name", ss.laws)
+def test_four_ways_to_an_average_agree_over_24_decades(name, criterion):
+    """The definition, the enclosure, the rule in floats and the fast function, relative to <|mu'|>."""
+    law = ss.laws[name].typical()
+    fast = ss.slope_average(law, criterion)
+    for V in over_24_decades(name, 5).tolist():
+        (rule,), (error,), (size,) = gauss_average(law.bound, [V], criterion=criterion)
+        enclosed = float(ss.enclose(law, criterion, V=V, N=1, digits=17))
+        assert abs(rule - enclosed) <= error
+        assert abs(fast(V=V, N=1.0) - enclosed) <= 4e-15 * size
+        assert abs(float(ss.quadrature.damping(law, criterion, V=V, N=1, digits=17)) - enclosed) <= 4e-16 * size
 
 
 @sweep("criterion", [least_squares, harmonic], 1)
