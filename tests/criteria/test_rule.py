@@ -18,7 +18,11 @@ def off(law, criterion, V, **options):
     return abs(average - float(ss.enclose(law, criterion, V=V, N=1, digits=17))), error
 
 
-@pytest.mark.parametrize("shape", SHAPES)
+ENCLOSED = [shape for shape in SHAPES if not shape.startswith("logarithmic")]
+"""The harmonic integral of narrow functions of log(v) is not enclosed, but refused."""
+
+
+@pytest.mark.parametrize("shape", ENCLOSED)
 def test_narrow_laws_within_the_stated_error(shape):
     law, V, _ = narrow_law(shape, 3)
     criterion = least_squares if shape in ("step", "jump") else harmonic
