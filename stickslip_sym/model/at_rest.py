@@ -99,7 +99,9 @@ def _at_zero(node: Expr, parts: list[Expr]) -> Expr:
         return sp.Integer(0)
     if isinstance(node, sp.log) and parts[0] == 0:
         return -sp.oo
-    if node.is_Pow and parts[1] == 0 and not parts[0].is_finite:
+    if node.is_Pow and not parts[0].is_finite:  # SymPy has 0 where the sign of the exponent is not known
+        return sp.Integer(0) if parts[0].is_infinite and parts[1].is_negative else sp.nan
+    if sp.zoo in parts and not (node.is_Add or node.is_Mul):
         return sp.nan
     return node.func(*parts) if parts else node
 
