@@ -5,6 +5,8 @@ ends where the slip from P just touches the belt's speed (graze): both are criti
 meet where the damping that slip orbits need has an extremum (fold).
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
@@ -92,7 +94,7 @@ class BasinSweep(Table):
     v0: tuple[float, float]
 
     @property
-    def columns(self) -> "dict[str, NDArray[np.generic]]":
+    def columns(self) -> dict[str, NDArray[np.generic]]:
         """The share of each motion and its error."""
         kinds = (("share", self.share), ("error", self.error))
         return {f"{kind} of {motion.value}": rows[motion] for motion in self.share for kind, rows in kinds}
@@ -110,7 +112,7 @@ class BasinSweep(Table):
         rows += [[*row, ""] for row in self._open]
         return ["where basins are born or die", self.x.label, "error"], rows
 
-    def draw(self, ax: "Axes") -> "list[Artist]":
+    def draw(self, ax: Axes) -> list[Artist]:
         """Draw it, and return the handles of its legend."""
         regions = {motion: region for motion, region in regions_of_motions().items() if motion in self.share}
         values, shares = self.x.values, np.array([self.share[motion] for motion in regions])
