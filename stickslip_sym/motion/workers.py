@@ -8,7 +8,7 @@ import math
 import os
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import BrokenExecutor, Executor, ThreadPoolExecutor, as_completed
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor, as_completed
 from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from typing import TypeVar
@@ -73,8 +73,10 @@ def _results(
         if executor is None:
             yield from enumerate(map(function, tasks))
             return
-        futures = {executor.submit(function, task): index for index, task in enumerate(tasks)}
+        futures: dict[Future[Result], int] = {}
         try:
+            for index, task in enumerate(tasks):  # Ctrl-C may come here too
+                futures[executor.submit(function, task)] = index
             for future in as_completed(futures):
                 yield futures[future], future.result()
         except BrokenExecutor as error:

@@ -114,7 +114,7 @@ def test_thresholds_by_every_method(monkeypatch):
     assert 1e-7 < bisected[1] < bisected[0] < 0.2
     assert "unknown" in str(trade)
     by = trade.dominators
-    assert by["orbit"] == by["second_order"] == ()
+    assert by["orbit"] == ()
     assert "orbit" in by["Newmark scan"]
     assert found["proof"].status is ss.Status.PROVED
     assert 0 < found["orbit"].further["largest error up to V = 1 m/s"] < 1e-9

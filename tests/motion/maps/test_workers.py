@@ -140,3 +140,23 @@ def test_interruption_leaves_cells_undecided():
     assert part.notes == dict.fromkeys(map(tuple, np.argwhere(~decided).tolist()), LATE)
     with pytest.raises(KeyboardInterrupt):
         ss.motion_map(LAW, **PLANE, progress=lambda done, total: press(2, total))
+
+
+class Interrupted(Executor):
+    """An executor that Ctrl-C interrupts while it is given its third task."""
+
+    def __init__(self):
+        self.futures = []
+
+    def submit(self, function, /, *arguments):
+        if len(self.futures) == 2:
+            raise KeyboardInterrupt
+        self.futures.append(Future())
+        return self.futures[-1]
+
+
+def test_interruption_while_tasks_are_handed_out_leaves_none_of_them_waiting():
+    executor = Interrupted()
+    with pytest.raises(KeyboardInterrupt):
+        ss.motion_map(LAW, **PLANE, workers=executor)
+    assert [future.cancelled() for future in executor.futures] == [True, True]
