@@ -9,6 +9,7 @@ import mpmath
 from flint import acb, arb, ctx
 
 from stickslip_sym.core.aliases import Mpf
+from stickslip_sym.core.deadline import check_time
 
 Ball = TypeVar("Ball", arb, acb)
 
@@ -30,9 +31,13 @@ def working_precision(bits: int, terms: int | None = None) -> Iterator[None]:
 
 
 def refined(compute: Callable[[], Ball], goal: int, most: float) -> Ball:
-    """Compute a ball at rising precision, until so many bits of it are certain, or at `most` bits of precision."""
+    """Compute a ball at rising precision, until so many bits of it are certain, or at `most` bits of precision.
+
+    Raises `OutOfTime` when the time of a `time_limit` is up.
+    """
     bits = goal + _GUARD
     while True:
+        check_time()
         with working_precision(bits):
             value = compute()
         reached = value.rel_accuracy_bits() if value.is_finite() else 0

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core.aliases import FloatArray, IntArray
-from stickslip_sym.core.deadline import check_time, is_late
+from stickslip_sym.core.deadline import check_time, is_late, time_left
 from stickslip_sym.core.errors import InputError, NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
@@ -100,7 +100,8 @@ def _states(rise: Rise, columns: Any, field: Field, rtol: float, rows: Any) -> N
 _PATIENT = 1e4  # decay times, after which a motion without a turn creeps to rest
 _FAR_OUT = 1e12  # slip speed over the belt's, beyond every feature of a law: it stands for all that are higher
 _FEW, _FEW_STATES = 8, 1000  # slips, and states, up to which plain Python is as fast as loading compiled code
-_BATCH = 4000  # slips between two looks at the time limit, some hundredths of a second compiled
+_BATCH = 4000  # slips that a thread takes at once, mostly some hundredths of a second compiled
+_FIRST, _BETWEEN_LOOKS = 1, 0.05  # slips before the first look at a time limit, and seconds between two looks
 
 
 @dataclass(frozen=True)
@@ -305,16 +306,19 @@ class Dimensionless:
         The loop gets the rise, columns with an entry for each motion, the settings, and the rows for its results.
 
         - `rows`: those that are not reached when the time of a `time_limit` is up stay as they are.
-        - `batch`: how many motions there are between two looks at the time.
+        - `batch`: how many motions a thread takes at once, at most all between two looks at the time.
         """
         fast = len(columns[0]) > few and is_compiling()
         rise = self.table.at(self.V, arrays=fast)
         run = compiled(loop) if fast else loop
 
         def carry_out(some: slice) -> bool:
-            if not (some.start and is_late()):
-                part = tuple(np.array(column[some], dtype=np.float64) for column in columns)
-                run(rise, part if fast else [column.tolist() for column in part], *settings, rows[some])
+            low, count = some.start, _FIRST if fast and time_left() < math.inf else length
+            while low < some.stop and not (low and is_late()):
+                motions, begin = slice(low, min(low + count, some.stop)), time_left()
+                part = tuple(np.array(column[motions], dtype=np.float64) for column in columns)
+                run(rise, part if fast else [column.tolist() for column in part], *settings, rows[motions])
+                low, count = motions.stop, 2 * count if begin - time_left() < _BETWEEN_LOOKS else count
             return True
 
         length = batch if fast else max(len(rows), 1)  # plain Python looks at the time limit itself

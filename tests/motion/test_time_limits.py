@@ -1,5 +1,6 @@
 """Every long call ends: stiff motions within a bound on the work, and all calls soon after their time limit."""
 
+import math
 import os
 import re
 import signal
@@ -16,6 +17,7 @@ from sweeps import sweep
 import stickslip_sym as ss
 from stickslip_sym import Motion
 from stickslip_sym.core import deadline
+from stickslip_sym.motion import slip
 from stickslip_sym.motion.maps.cells import Reason
 from stickslip_sym.motion.orbits import needed
 
@@ -76,6 +78,30 @@ def test_a_late_threshold_is_given_as_known():
         value, low, high = (10 * float(number) for number in said.groups())
         assert value == pytest.approx(exact, rel=off)
         assert low <= exact <= high
+
+
+@pytest.mark.parametrize("seconds_each", [1e-4, 0.3])
+def test_slow_slips_are_looked_at_one_by_one_and_quick_ones_together(monkeypatch, seconds_each):
+    """As if compiled, with a clock that only slips move: what is not reached within the limit stays NaN."""
+    now, calls, rows = 0.0, [], np.full((1000, 1), np.nan)
+
+    def loop(_, columns, result):
+        nonlocal now
+        now += seconds_each * len(result)
+        calls.append(len(result))
+        result[:, 0] = columns[0]
+
+    monkeypatch.setattr(slip, "is_compiling", lambda: True)
+    monkeypatch.setattr(slip, "compiled", lambda function: function)
+    monkeypatch.setattr(deadline.time, "monotonic", lambda: now)
+    system = slip.Dimensionless.of(ss.laws.exponential.typical().bound, paper_oscillator(1.0))
+    with deadline.time_limit(1.0):
+        system.spread(loop, (np.arange(1000.0),), (), rows)
+    done = ~np.isnan(rows[:, 0])
+    assert (rows[done, 0] == np.arange(1000)[: done.sum()]).all()
+    assert done.sum() == min(1000, math.ceil(1 / seconds_each))
+    assert calls[:4] == ([1, 1, 1, 1] if seconds_each == 0.3 else [1, 2, 4, 8])
+    assert len(calls) < 15
 
 
 @pytest.mark.parametrize("seconds", [0.0, 0.02])

@@ -21,6 +21,7 @@ from flint import acb, arb, arb_mat, arb_poly, arb_series
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_value, rational, series_function
+from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import arguments, without_squares
 from stickslip_sym.core.lambdify import function_of
@@ -129,7 +130,8 @@ class Values:
                 self._formula = None
 
     def __call__(self, r: arb) -> arb:
-        """Return F(r), or raise `Unresolved`."""
+        """Return F(r), or raise `Unresolved`, or `OutOfTime` when the time of a `time_limit` is up."""
+        check_time()
         value = self._by_formula(r)
         return self._by_rule(r) if value is None else value
 
