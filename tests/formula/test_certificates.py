@@ -173,8 +173,9 @@ def test_random_laws_leave_with_their_proofs(seed):
         ("a + b*v**2", "harmonic", "far = -2 * N * V * b_"),
         ("0.4 - 0.1*v*log(v)", "equilibrium", "at_rest = -sp.oo"),
         ("exponential", "least_squares", "far = 0"),
+        ("-a*v*atan(v/p) - a*sech(v/p)", "least_squares", "far = pi * N * a / 2"),
     ],
-    0, 2,
+    0, 2, 3, 4,
 )  # fmt: skip
 def test_limits_are_stated_and_checked(law, criterion, stated):
     script = ss.derive(law, criterion).certificate()
