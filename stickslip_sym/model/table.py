@@ -251,7 +251,7 @@ class FrictionTable:
         """
         low, width = self.pieces[:, 0], np.diff(self.pieces[:, 0], append=self.end)
         leap = width < _LEAP * low
-        return 1 + np.flatnonzero((leap[1:] | leap[:-1]) & ~np.isclose(width[1:], width[:-1]))
+        return 1 + np.flatnonzero((leap[1:] | leap[:-1]) & ~np.isclose(width[1:], width[:-1], atol=0))
 
     @cached_property
     def jumps(self) -> FloatArray:

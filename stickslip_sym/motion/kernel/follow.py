@@ -25,6 +25,7 @@ from stickslip_sym.motion.kernel.forces import entered, interval, rate_at, rise_
 from stickslip_sym.motion.kernel.steps import AMPLIFIED, stepped
 
 _LONGEST_STEP = 0.25  # explicit; at twice that what a step is off shows in thresholds
+_PAST = 2.0  # times the way to the end of a segment, at the rate at its begin: beyond, its polynomials are of no use
 _STIFF = 10.0  # a decay of w, per unit of time, below which explicit steps are cheap enough
 _STABLE = 2.5  # decay times a step, from which stability holds it short: the explicit method bears about 6
 _LOOK = 100  # steps between two looks at the time limit
@@ -73,12 +74,15 @@ def follow(
         end = _interruption(state.tau, taken, stop)
         if end != End.OPEN:
             break
-        trial, pace = _advance(branch, field, state, pace, stop.horizon - state.tau, rtol, wedge)
+        border = rise.levels[segment + 1] if rising else rise.levels[segment]
+        longest = stop.horizon - state.tau
+        if _PAST * abs(border - state.w) < longest * abs(state.rate):
+            longest = _PAST * abs(border - state.w) / abs(state.rate)
+        trial, pace = _advance(branch, field, state, pace, longest, rtol, wedge)
         shortest = _SHORTEST * max(state.tau, 1.0)
         if pace.again:
             end = End.FAILED if trial.length <= shortest else End.OPEN
             continue
-        border = rise.levels[segment + 1] if rising else rise.levels[segment]
         event, trial = land(branch, field, state, trial, rising, border, stop.level, pace.implicit, rtol, wedge)
         if event != End.OPEN and not trial.error < 1.0 and trial.length > shortest:
             pace = _shortened(pace, trial)
