@@ -26,7 +26,7 @@ import numpy as np
 from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.model.table import Pieces, Rise
-from stickslip_sym.motion.compiled import compilable, is_ready
+from stickslip_sym.motion.compiled import compilable, compiled, is_compiling, is_ready
 from stickslip_sym.motion.kernel.data import (
     ADDED,
     MOST_STEPS,
@@ -362,6 +362,12 @@ def _harmonic(rise: Rise, eta: float, A: float) -> tuple[float, float]:
 
 
 @compilable
+def _first_guess(rise: Rise, eta: float, A: float) -> float:
+    """Return the first guess alone; machine code that other machine code calls has no entry from Python."""
+    return _harmonic(rise, eta, A)[0]
+
+
+@compilable
 def _spread(rise: Rise, eta: float, push: float, A: float, rtol: float, low: float, high: float) -> float:
     """Return how far from a jump of the gap a looser tolerance sees its sign change."""
     step = high - low
@@ -416,11 +422,13 @@ def needed_ratio(
     """
     check_time()
     eta, push = system.eta, system.push(1) if A == 1.0 else 0.0
-    wanted = _SHARE * rtol * abs(_harmonic(system.rise, eta, A)[0])
+    fast = (fast and is_compiling()) or is_ready(needed_all)
+    first = compiled(_first_guess) if fast else _first_guess  # in plain Python it takes longer than the search
+    wanted = _SHARE * rtol * abs(first(system.table.at(system.V, arrays=fast), eta, A))
     loosest = _STIFF if abs(eta) > STRONG else TIGHT
     tight = next((steps for steps in (loosest, TIGHT) if steps <= wanted), PRECISE)
     orbit, rows = [np.array([value]) for value in (eta, push, A)], np.empty((1, 5))
-    system.spread(needed_all, orbit, (tight,), rows, few=0 if fast or is_ready(needed_all) else 1)
+    system.spread(needed_all, orbit, (tight,), rows, few=0 if fast else 1)
     end, zeta, error, low, high = rows[0].tolist()
     if end == End.LATE or is_late():  # then the last gap may be wrong
         raise OutOfTime(
