@@ -22,7 +22,7 @@ TOGETHER = {
 
 
 # Seeded, so that a failure comes again; ``pytest --thorough`` takes many examples. No deadline on shared machines.
-settings.register_profile("default", max_examples=8, derandomize=True, deadline=None, database=None,
+settings.register_profile("default", max_examples=5, derandomize=True, deadline=None, database=None,
                           suppress_health_check=[HealthCheck.too_slow])  # fmt: skip
 settings.register_profile("thorough", settings.get_profile("default"), max_examples=300)
 

@@ -95,6 +95,7 @@ def test_when_time_is_up_there_is_no_number(monkeypatch):
     assert trade.rows[0].value == pytest.approx(SHARE, abs=1e-10)
 
 
+@pytest.mark.thorough
 def test_thresholds_by_every_method(monkeypatch):
     monkeypatch.setattr(tradeoff, "SPEEDS", np.array([0.2, 0.5, 0.95]))  # the last has no threshold
     monkeypatch.setattr(tradeoff, "BISECTED", (1e-3, 1e-6))

@@ -28,7 +28,7 @@ VALUES = {"mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0, "v_w": 0.7}
 
 
 @sweep(
-    ("weight", "law"), [(weight, law) for weight in WEIGHTS for law in LAWS], ("asymmetric", "smooth"),
+    ("weight", "law"), [(weight, law) for weight in WEIGHTS for law in LAWS],
     ("not 0 at the ends", "in pieces, with a jump"),
     ("asymmetric", "without a rule"),
 )  # fmt: skip

@@ -72,7 +72,7 @@ CHECKED = {"a/(1 + (v/w)^delta)", HARMONIC[1], HARMONIC[3]}  # the others are pr
 @sweep(
     ("text", "criterion"),
     [*((text, "least_squares") for text in LAWS), *((text, "harmonic") for text in HARMONIC)],
-    0, 6, 10, 15, 21, 24, 28, 30, 31, 33,
+    0, 6, 15, 21, 28, 31,
 )  # fmt: skip
 def test_values_are_those_of_the_definition(text, criterion):
     """For random parameters over two decades, a call over six; kinks may lie below rest."""
@@ -102,7 +102,7 @@ def test_values_are_those_of_the_definition(text, criterion):
 ENDING = ["mu_s + d*log(1 - v/v_c)", "mu_s + d*v*log(1 - v/v_c)", "mu_s + d*sqrt(1 - v/v_c)"]
 
 
-@sweep(("text", "criterion"), [(text, way) for text in ENDING for way in ("least_squares", "harmonic")], 0, 5)
+@sweep(("text", "criterion"), [(text, way) for text in ENDING for way in ("least_squares", "harmonic")], 0)
 def test_a_law_that_ends_at_a_speed(text, criterion):
     rng = np.random.default_rng(6)
     form = ss.derive(ss.FrictionLaw(text), criterion)

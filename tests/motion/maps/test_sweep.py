@@ -62,7 +62,6 @@ def test_a_fold_over_another_quantity():
     ("name", "values", "folds"),
     [("c", (0.05, 0.1), 6), ("N", (0.5, 0.8), 6), ("V", (0.43, 0.46), 3), ("h", (0.002, 0.011), 1)],
     0,
-    1,
 )
 def test_numbers_of_cycles_change_where_basins_do(name, values, folds):
     """By two at a fold and by one at a graze or where rest turns: so none is missed, and none is too many."""

@@ -3,6 +3,7 @@
 from collections import Counter
 
 import numpy as np
+import pytest
 from operating_points import laws_in_pieces, smooth_points
 from sweeps import sweep
 
@@ -55,6 +56,7 @@ def test_the_error_of_the_last_secant_is_stated():
         assert abs(found.value / exact - 1) <= found.relative_error <= rtol
 
 
+@pytest.mark.thorough
 def test_what_has_no_digits_left_is_proved():
     """Weak friction, of which time stepping has too few digits: nothing is refused that a proof answers."""
     law, point = ss.laws.brown_mcphee.typical(), {"V": 0.977222, "N": 0.0100304, "m": 1.0, "k": 100.0}

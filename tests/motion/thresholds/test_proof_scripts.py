@@ -44,6 +44,7 @@ def test_the_script_of_a_threshold_proves_it(name):
     assert done.stdout.startswith("proved: " + theorem.statement[:40])
 
 
+@pytest.mark.thorough
 def test_a_steep_tanh_loses_no_digits():
     """Far along tanh(50 w) a series by exp(2 z) loses half its bits, and boxes grow too wide."""
     law = ss.FrictionLaw("(0.2 + 0.3*exp(-3*v))*tanh(v/v_0)").bind(v_0="0.01").with_static("0.5")
