@@ -1,4 +1,4 @@
-"""What each constant of `formula.evaluation.making` is worth, for averages of the catalogue's and of random laws.
+"""What each constant of `formula.evaluation.making` is worth, for laws of the catalogue and laws with kinks.
 
 Run ``python tests/benchmarks/measure_branches.py [CONSTANT ...]``; all of them take about ten minutes.
 
@@ -15,8 +15,6 @@ import numpy as np
 from flint import arb
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
-
-from random_laws import random_law
 
 import stickslip_sym as ss
 from stickslip_sym.core.precision import refined, working_precision
@@ -47,7 +45,10 @@ OTHERS = {
 }
 R = np.geomspace(1e-15, 1e15, 121)
 MANY = np.geomspace(1e-15, 1e15, 200_000)
-RANDOM = 24
+KINKED = [
+    "0.3 + 0.1*Abs(v - 0.7)", "0.2 + Max(0.3 - 0.4*v, 0)", "0.5*exp(-v)*Max(1 - v/3, 0)", "Max(0.5*exp(-v), 0.2)",
+    "0.3*exp(-v)*cos(3*v)", "0.3*exp(-v)*tanh(v/0.01)",
+]  # fmt: skip
 
 
 class Case:
@@ -81,9 +82,9 @@ class Case:
 
 
 def cases():
-    """Return the averages of the terms of the catalogue's laws and of random ones, each once."""
+    """Return the averages of the terms of some laws, each once."""
     found = {}
-    for law in [*(law.typical() for law in ss.laws.catalogue.values()), *map(random_law, range(RANDOM))]:
+    for law in [*(law.typical() for law in ss.laws.catalogue.values()), *map(ss.FrictionLaw, KINKED)]:
         for criterion in ss.criteria.catalogue.values():
             average = ss.slope_average(law, criterion)
             values = [0.5, 1.0, *(float(average.law.values[name]) for name in list(average.arguments)[2:])]

@@ -20,7 +20,7 @@ DISTANCES = (0, 0.5, 1, 2, 3, *(4.0 * 2**i for i in range(60)))
 
 def narrow_law(shape, seed):
     """Return a law, a belt speed within twice of which it is narrow, and the relative width, from 1e-8 to 1e-1."""
-    plain, term, V, place, relative, _ = _drawn(shape, seed)
+    plain, term, V, _, relative, _ = _drawn(shape, seed)
     return ss.FrictionLaw(f"{plain} + {term}"), V, relative
 
 

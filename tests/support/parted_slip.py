@@ -9,11 +9,9 @@ import math
 
 import numpy as np
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 LONGEST = 60.0  # of a part
 LONGEST_STEP = 0.06  # within which what events are located by has 12 digits too
-FIRST, BRACKETS = 1e-3, 5  # width of the first bracket of a threshold, relative, and how often it grows
 PARTS = 400  # of a way, at most
 
 
@@ -30,8 +28,8 @@ def rate_at_top(rises, edges, eta, zeta, side):
             return side * (1 - y[1]), side * (y[0] - 2 * zeta * y[1] - eta * rise(y[1]))
 
         def crossing(level, direction):
-            def event(_, y):
-                return y[1] - level
+            def event(_, state):
+                return state[1] - level
 
             event.terminal, event.direction = True, direction
             return event
@@ -60,18 +58,12 @@ def rate_at_top(rises, edges, eta, zeta, side):
     return None
 
 
-def damping_ratio(rises, edges, eta, guess):
-    """Return the damping ratio at which both ways meet, sought from a guess outward; None if it is not bracketed."""
-
-    def gap(zeta):
+def lies_between(rises, edges, eta, low, high):
+    """Whether the damping ratio at which both ways meet lies between two; None if a way does not come to w = 1."""
+    gaps = []
+    for zeta in (low, high):
         there, back = (rate_at_top(rises, edges, eta, zeta, side) for side in (1, -1))
-        return math.nan if there is None or back is None else there - back
-
-    step = FIRST * max(abs(guess), FIRST)
-    for _ in range(BRACKETS):
-        low, high = guess - step, guess + step
-        below, above = gap(low), gap(high)
-        if below * above <= 0:
-            return brentq(gap, low, high, xtol=1e-15)
-        step *= 4
-    return None
+        if there is None or back is None:
+            return None
+        gaps.append(there - back)
+    return bool(gaps[0] * gaps[1] <= 0)

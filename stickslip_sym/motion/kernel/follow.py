@@ -25,7 +25,7 @@ from stickslip_sym.motion.kernel.forces import entered, interval, rate_at, rise_
 from stickslip_sym.motion.kernel.steps import AMPLIFIED, stepped
 
 _LONGEST_STEP = 0.25  # explicit; at twice that what a step is off shows in thresholds
-_PAST = 2.0  # times the way to the end of a segment, at the rate at its begin: beyond, its polynomials are of no use
+_PAST = 2.0  # times the way to the end of a segment: its polynomials are of no use far beyond
 _STIFF = 10.0  # a decay of w, per unit of time, below which explicit steps are cheap enough
 _STABLE = 2.5  # decay times a step, from which stability holds it short: the explicit method bears about 6
 _LOOK = 100  # steps between two looks at the time limit

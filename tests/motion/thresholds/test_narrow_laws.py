@@ -5,7 +5,7 @@ from contextlib import suppress
 import numpy as np
 import pytest
 from narrow_laws import SHAPES, narrow_law, parted
-from parted_slip import damping_ratio
+from parted_slip import lies_between
 from sweeps import sweep
 
 import stickslip_sym as ss
@@ -33,12 +33,13 @@ def test_weak_friction_against_enclosures(shape, seed, method):
         assert abs(found.value - exact) <= (found.relative_error + 1e-6) * abs(exact)
 
 
-BATCHES, BATCH = 25, 12
+BATCHES, BATCH = 50, 6
+NOISE = 3e-11, 1e-10  # of the integration: in kg/s, and relative
 
 
 @sweep("batch", range(BATCHES), 0)
 def test_random_laws_against_an_integration_that_knows_the_place(batch):
-    """Of 300 laws every value is right within its error; one in ten is refused at most."""
+    """Of 300 laws every value is right within its error; one in six of a batch is refused at most."""
     refused, unknown = 0, 0
     for seed in range(batch * BATCH, (batch + 1) * BATCH):
         shape, draw = list(SHAPES)[seed % len(SHAPES)], 1000 + seed
@@ -48,15 +49,16 @@ def test_random_laws_against_an_integration_that_knows_the_place(batch):
         for method in METHODS:
             with suppress(ss.InputError, ss.NotConverged):
                 found[method] = ss.pure_slip_damping(law, V=V, N=10 * eta * V, m=1, k=100, method=method)
-        refused += sum(method not in found for method in ("auto", "simulation"))
-        zeta = damping_ratio(*parted(shape, draw), eta, found["auto"].value / 20) if "auto" in found else None
-        unknown += zeta is None
-        for method, threshold in found.items():
-            if zeta is not None and threshold.relative_error < 1:
-                off = abs(threshold.value - 20 * zeta)
-                assert off <= 2 * threshold.error + 1e-11 + 1e-10 * abs(threshold.value), (shape, draw, method)
-    assert refused <= 0.1 * 2 * BATCH
-    assert unknown <= 0.2 * BATCH
+        refused += "auto" not in found
+        known = {method: one for method, one in found.items() if one.error is not None}
+        ranges = {(one.value, one.error): (shape, draw, method) for method, one in known.items()}
+        for (value, error), what in ranges.items():
+            off = 2 * error + NOISE[0] + NOISE[1] * abs(value)
+            inside = lies_between(*parted(shape, draw), eta, (value - off) / 20, (value + off) / 20)
+            assert inside is not False, what
+            unknown += inside is None
+    assert refused <= BATCH / 6
+    assert unknown <= BATCH / 3
 
 
 def test_narrow_bump_moves_the_threshold_by_its_area():
