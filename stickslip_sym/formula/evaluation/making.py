@@ -51,23 +51,21 @@ from stickslip_sym.formula.evaluation.values import (
 from stickslip_sym.formula.proof.proving import Verdict
 from stickslip_sym.model.expression.pieces import branch_from, kinks_at
 
+# What each is worth, in seconds, panels and digits, `tests/benchmarks/measure_branches.py` prints.
 _EPSILON = 2.0**-52
 _NEGLIGIBLE = 2.0**-57  # of a value: what a polynomial may leave out
 _CONDITION = {-1: 1.5, 1: 4.0}
 """Of a series at rest, and far out: the sum of its terms' sizes over the size of the sum, before balls decide."""
-_TRIES = 4  # ends at which a series far out is compared with balls
 _UNITS = 2.75  # of eps <|g'|>, by which a formula may differ from balls
 _WRITTEN = 16  # of the same, by which what is written as code may differ from the definition
 
 _FARTHEST = 40  # octaves beyond all scales of a profile up to which a closed form is compared
 _STEPS = 12  # octaves from a scale, or from a corner, within which a series begins to hold
-_GROUP = 3  # coefficients whose time a power of r before a polynomial takes
 _LARGEST = 2.0**960  # of a coefficient: its products with its power of r stay within range
 _MOST_BITS = 600  # of working precision for an enclosure of the definition: mu cancels by 2 bits an octave at rest
 _OCTAVES = (0.0, 0.4, 1.0, 1.7, 2.5, 4.0, 6.0, 9.0, 13.0, 20.0)
 """From the end of a series, at which it is compared with balls: beyond, its first terms are left."""
 _NEAR = 7  # of them, at which the last branch is compared with the definition
-_LOST = 2.0  # octaves by which a series must reach further for an exponential before it to be worth its time
 
 _NODES = 19  # of a panel
 _SMOOTH = 0.5 * _EPSILON  # of <|g'|>: the last coefficients of a panel
@@ -78,8 +76,7 @@ _HALVINGS = 48  # of a panel that is not smooth: what is narrower than floats re
 _AT_KINK = 4 * _EPSILON  # relative: what products of a belt speed and powers of parameters are rounded by
 _NEAR_KINK = 1.25  # times r at a kink: up to there the panel's variable is the square root
 
-_POINTS = 16  # in an octave, at which a closed form is compared; from 2^_MODERATE on 2
-_MODERATE = 8
+_POINTS = 16  # in an octave, at which a closed form is compared
 
 
 @lru_cache(maxsize=256)
@@ -265,7 +262,7 @@ class _Builder:
             for decay in self._decays():
                 factor = Series({(0, 0): arb(1)}) if decay is None else expanded(1 / decay, {}, unit, far=False)
                 pair = self._written(series * factor, unit, -1, min(edge, self.lowest * 2.0**_STEPS), decay)
-                if pair is not None and (best is None or pair[0] >= best[0] * 2.0**_LOST):
+                if pair is not None and (best is None or pair[0] > best[0]):
                     best = pair
         except Unexpanded:
             return None
@@ -300,7 +297,6 @@ class _Builder:
         self, series: Series, unit: int, side: int, edge: float, function: Expr | None
     ) -> tuple[float, Branch] | None:
         """Return from where, or up to where, a series holds as far as it goes, and the branch."""
-        tries = 0
         for half in range(8 * _STEPS):
             end = edge * 2.0 ** (side * half / 2)
             if end > self.highest * 2.0**_STEPS:
@@ -312,8 +308,7 @@ class _Builder:
             points = end * 2.0 ** (side * np.array(_OCTAVES))
             if self._agreed(branch, points) == points.size:
                 return end, branch
-            tries += 1
-            if side > 0 and tries == _TRIES:
+            if side > 0:
                 return None  # what is smaller than any power still counts, or a series that diverges
         return None
 
@@ -329,7 +324,7 @@ class _Builder:
         if branch is None:
             return None
         octaves = np.arange(-4, np.log2(stop), 1 / _POINTS)
-        r = 2.0 ** octaves[(octaves < _MODERATE) | (octaves % 0.5 == 0)][::-1]
+        r = 2.0 ** octaves[::-1]
         count = self._agreed(branch, r)
         return (float(r[count - 1]), branch) if count >= _POINTS // 2 else None  # fewer may be luck
 
@@ -451,7 +446,7 @@ def _of_series(terms: Powers, unit: int, side: int, function: Expr | None) -> Su
 
     steps = {math.gcd(*offsets) or unit, unit, min((o for o in offsets if o), default=unit)}
     written = {step: polynomials(step) for step in sorted(steps)}
-    step = min(written, key=lambda step: sum(_GROUP + len(group) for group in written[step].values()))
+    step = min(written, key=lambda step: sum(len(group) for group in written[step].values()))
     parts = []
     for (rest, n), coefficients in sorted(written[step].items()) or [((0, 0), [0.0])]:
         before = symbols.V ** sp.Rational(-side * rest, unit) * (-side * sp.log(symbols.V)) ** n
