@@ -73,19 +73,29 @@ def explorer(law: FrictionLaw, osc: Oscillator, *, title: str = "", time_limit: 
         f"function {name}(v, p) {{\n  return {writer.text_of(expr, names, LANGUAGES['javascript'])};\n}}\n"
         for name, expr in formulas.items()
     )
-    averages = {name: one for name, one in catalogue.items() if one.weight is not None}
-    written = {} if law.curve is not None else {name: slope_average(law, one) for name, one in averages.items()}
+    averages = {name: criterion for name, criterion in catalogue.items() if criterion.weight is not None}
+    written = (
+        {}
+        if law.curve is not None
+        else {name: slope_average(law, criterion) for name, criterion in averages.items()}
+    )
     exact, reason = _exact(law, osc, sliders, time_limit)
     data = {
         "sliders": list(sliders.values()),
         "c": osc.c,
         "parameters": {name: values[name] for name in law.parameters},
-        "criteria": {name: [key for key in one.arguments if key not in fixed] for name, one in written.items()},
-        "tables": {name: _table(law, one, sliders["V"]) for name, one in averages.items() if name not in written},
+        "criteria": {
+            name: [key for key in average.arguments if key not in fixed] for name, average in written.items()
+        },
+        "tables": {
+            name: _table(law, criterion, sliders["V"])
+            for name, criterion in averages.items()
+            if name not in written
+        },
         "exact": exact,
     }
     if written:
-        functions = {f"damping_{name}": (one, "") for name, one in written.items()}
+        functions = {f"damping_{name}": (average, "") for name, average in written.items()}
         code = writer.code(functions, "javascript") + code
     else:
         code = LANGUAGES["javascript"].page["head"].replace("$about\n", "") + code
@@ -126,8 +136,7 @@ def _exact(
 
     def over_N(at: FloatArray) -> FloatArray:
         V, N = (np.exp(np.mean(both) + row * np.ptp(both) / 2) for both, row in zip(ends, at, strict=True))
-        found = pure_slip_damping(law, V=V, N=N, m=osc.m, k=osc.k, rtol=_RTOL)
-        return np.asarray(found.value / N)
+        return np.asarray(pure_slip_damping(law, V=V, N=N, m=osc.m, k=osc.k, rtol=_RTOL).value / N)
 
     try:
         with deadline.time_limit(time_limit), warnings.catch_warnings():

@@ -88,7 +88,7 @@ class Average:
     @cached_property
     def rates(self) -> dict[Expr, tuple[Expr, Expr]]:
         """For each sum b (1 + r v) that is divided by, or in a logarithm or root: b and r, where r may be < 0."""
-        found: dict[Expr, tuple[Expr, Expr]] = {}
+        lines: dict[Expr, tuple[Expr, Expr]] = {}
         for node in self.profile.atoms(sp.Pow, sp.log):
             base, exponent = node.args[0], node.exp if node.is_Pow else sp.nan
             if (exponent.is_nonnegative and exponent.is_Integer) or not (
@@ -98,8 +98,8 @@ class Average:
             line = sp.Poly(base, symbols.v)
             rate = line.nth(1) / line.nth(0) if line.degree() == 1 and line.nth(0) != 0 else sp.S.Zero
             if not rate.is_nonnegative and (exponent.is_Integer or line.nth(0).is_positive):
-                found[base] = line.nth(0), rate
-        return found
+                lines[base] = line.nth(0), rate
+        return lines
 
     @property
     def domain(self) -> tuple[Expr, ...]:
@@ -161,7 +161,7 @@ class Average:
         """
         if self.criterion.weight is None:
             return ()
-        found: list[Expr] = []
+        bounds: list[Expr] = []
         for term in sp.Add.make_args(sp.expand_mul(self.profile)):
             powers = [factor.as_base_exp() for factor in sp.Mul.make_args(term)]
             exponent = sp.Add(*[power for base, power in powers if base == symbols.v])
@@ -172,8 +172,8 @@ class Average:
             rate = sp.diff(exponent, shape)
             if rate.is_positive or rate.is_negative:
                 bound = (lowest - exponent.subs(shape, 0)) / rate
-                found.append(sp.Gt(shape, bound) if rate.is_positive else sp.Lt(shape, bound))
-        return tuple(dict.fromkeys(found))
+                bounds.append(sp.Gt(shape, bound) if rate.is_positive else sp.Lt(shape, bound))
+        return tuple(dict.fromkeys(bounds))
 
     # -- what is known of it -------------------------------------------------------------------------
 

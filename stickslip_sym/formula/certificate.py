@@ -219,12 +219,12 @@ class _Section:
         yield from self._part(label, average, integral.function / self.criterion.kernel)
         boundary = step.statement.lhs - integral
         for i, (primitive, _, low, high) in enumerate(parts):
-            A, piece, found = f"A{label}_{i}", f"g{label}", average._in_shapes(primitive)
+            A, piece, inside = f"A{label}_{i}", f"g{label}", average._in_shapes(primitive)
             if len(parts) > 1:
                 piece = f"sp.piecewise_fold({piece}).args[{i}].expr"
-            yield self.let(A, f"sp.sympify({self.code(found)})" if found.is_number else found)
+            yield self.let(A, f"sp.sympify({self.code(inside)})" if inside.is_number else inside)
             yield f'assert vanishes(sp.diff({A}, v) - {piece} * K), "{A}: the derivative of the antiderivative"'
-            terms.append(self._rise(A, found, low, high))
+            terms.append(self._rise(A, inside, low, high))
         ends = f" + {self.code(boundary)}" if boundary != 0 else ""
         yield self.let(f"F{label}", f"{' + '.join(terms)}{ends}")
 
@@ -282,20 +282,20 @@ class _Section:
         algebra, V = proof.product.algebra, symbols.V
         rows = algebra.table([proof.product])
         expansion = Expansion(algebra, V, self.terms)
-        series = {one.symbol: expansion.of(one.meaning) for one in rows if one.slope is not None}
-        rows = algebra.table([proof.product, *(c for one in series.values() for c in one.coefficients)])
+        series = {made.symbol: expansion.of(made.meaning) for made in rows if made.slope is not None}
+        rows = algebra.table([proof.product, *(c for terms in series.values() for c in terms.coefficients)])
         fresh = dict[Expr, Generator]()
-        for one in rows:
-            meaning = average._in_shapes(one.meaning)
+        for made in rows:
+            meaning = average._in_shapes(made.meaning)
             if meaning not in self.functions:
                 self.functions[meaning] = self._safe.new(_generator(meaning))
-                fresh[sp.Symbol(self.functions[meaning])] = one
-            self.names[one.symbol] = self.functions[meaning]
+                fresh[sp.Symbol(self.functions[meaning])] = made
+            self.names[made.symbol] = self.functions[meaning]
         self.names |= {x: x.name for x in fresh}
         if len(fresh) == len(self.functions):
             yield "functions, roots = {}, {}  # of V: what each is, its derivative, its first terms at V = 0"
         yield from self.declare(*fresh)
-        symbols_of = series.keys() & {one.symbol for one in fresh.values()}
+        symbols_of = series.keys() & {made.symbol for made in fresh.values()}
         self.known = min([self.known, *(series[symbol].known for symbol in symbols_of)])
         for x, (symbol, meaning, slope, square) in fresh.items():
             start = meaning

@@ -1,6 +1,7 @@
 """Speeds in another unit: with v, V and N times a power of two, the damping is the same to the last digits."""
 
 from fractions import Fraction
+from functools import partial
 
 import numpy as np
 import pytest
@@ -24,12 +25,21 @@ def answers(seed, factor):
     terms = ["0.2", "0.3*exp(-v/{a})", *rng.choice(TERMS, 2, replace=False)]
     law = ss.FrictionLaw(" + ".join(terms).format(**places))
     V, N, c = rng.uniform(0.2, 0.8) * float(factor), 10 ** rng.uniform(-1, 1) * float(factor), rng.uniform(0.2, 3)
-    for method in METHODS:
+    point = {"V": V, "N": N, "m": 1, "k": 100}
+    calls = [partial(threshold, law, point, method) for method in METHODS]
+    for call in [*calls, partial(cycles, law, ss.Oscillator(**point, c=c))]:
         try:
-            yield ss.pure_slip_damping(law, V=V, N=N, m=1, k=100, method=method).value
+            yield call()
         except (ss.InputError, ss.NotConverged) as error:
             yield type(error)
-    yield [cycle.A / V for cycle in ss.limit_cycles(law, ss.Oscillator(m=1, k=100, c=c, V=V, N=N))]
+
+
+def threshold(law, point, method):
+    return ss.pure_slip_damping(law, **point, method=method).value
+
+
+def cycles(law, osc):
+    return [cycle.amplitude / osc.V for cycle in ss.limit_cycles(law, osc)]
 
 
 @sweep(("seed", "power"), [(seed, power) for seed in range(40) for power in (-60, -20, 20)], (1, -60), (6, 20))

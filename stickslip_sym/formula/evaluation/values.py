@@ -337,7 +337,7 @@ def _heights(balls: Sequence[arb]) -> tuple[list[arb], float]:
     """Return the middles of balls, 0 for a constant that cancels and leaves a ball, and the largest radius."""
     if not all(ball.is_finite() for ball in balls):
         raise Unresolved("a slope that is not enclosed")
-    return [arb(0) if one.contains(0) else one.mid() for one in balls], max(float(one.rad()) for one in balls)
+    return [arb(0) if ball.contains(0) else ball.mid() for ball in balls], max(float(ball.rad()) for ball in balls)
 
 
 def _middles(polynomial: arb_poly) -> arb_poly:

@@ -129,9 +129,9 @@ class CriticalValues(tuple[Critical, ...]):
         unresolved: tuple[tuple[float, float], ...] = (),
     ) -> "CriticalValues":  # fmt: skip
         """Make the values a tuple."""
-        found = super().__new__(cls, values)
-        found.of, found.unit, found.looked, found.unresolved = of, unit, looked, unresolved
-        return found
+        made = super().__new__(cls, values)
+        made.of, made.unit, made.looked, made.unresolved = of, unit, looked, unresolved
+        return made
 
     def __getnewargs__(self) -> tuple[Any, ...]:
         """Return what makes it again, for copies and other processes."""
@@ -150,7 +150,7 @@ class CriticalValues(tuple[Critical, ...]):
         return f"{text}; not decided, or without a threshold: {gaps}" if gaps else text
 
     def __str__(self) -> str:
-        values = [str(one) for one in self] or [f"there is no such value of {self.of}"]
+        values = [str(critical) for critical in self] or [f"there is no such value of {self.of}"]
         return "\n".join([*values, self.range])
 
 
@@ -343,7 +343,7 @@ class _Search:
                 edges = np.asarray(self._edges() if within is None else within)
                 looked = float(edges[0]), float(edges[-1])
                 results, unresolved = self._resolved_roots(edges)
-        results.sort(key=lambda one: one.value)
+        results.sort(key=lambda result: result.value)
         values = map(self._proved, results) if self.proof else results
         return CriticalValues(values, self.of, self.unit, looked, tuple(unresolved))
 
@@ -355,13 +355,13 @@ class _Search:
         - `sketch`: whether a small part of their distance from c is a small enough error.
         """
         known = self.sketched if sketch else self.sampled
-        new = np.array(sorted({one for one in x.tolist() if one not in known}))
+        new = np.array(sorted({place for place in x.tolist() if place not in known}))
         if new.size and self.is_quantity:
             known |= dict(zip(new.tolist(), zip(*self._thresholds(new, sketch), strict=True), strict=True))
-        for one in [] if self.is_quantity else new.tolist():
-            value, error = self._thresholds(one, sketch)
-            known[one] = float(value[0]), float(error[0])
-        columns = np.array([known[one] for one in x.tolist()]).reshape(-1, 2)
+        for place in [] if self.is_quantity else new.tolist():
+            value, error = self._thresholds(place, sketch)
+            known[place] = float(value[0]), float(error[0])
+        columns = np.array([known[place] for place in x.tolist()]).reshape(-1, 2)
         return columns[:, 0], columns[:, 1]
 
     def _thresholds(self, x: float | FloatArray, sketch: bool) -> tuple[FloatArray, FloatArray]:
@@ -392,7 +392,7 @@ class _Search:
         except NO_RESULT:
             if np.size(x) == 1:
                 return none, none
-            columns = np.array([self._thresholds(one, sketch) for one in np.ravel(x).tolist()])
+            columns = np.array([self._thresholds(place, sketch) for place in np.ravel(x).tolist()])
             return columns[:, 0, 0], columns[:, 1, 0]
         return value, error
 
@@ -471,8 +471,8 @@ class _Search:
 
         def off(u: float) -> float:
             x = float(quantity(u))
-            found = excess(self.at(x), self.c, self.method)
-            return min(max(found, -1.0), 1.0) if not math.isnan(found) else self._no_threshold(x)
+            gap = excess(self.at(x), self.c, self.method)
+            return min(max(gap, -1.0), 1.0) if not math.isnan(gap) else self._no_threshold(x)
 
         kinks = [float(v) / part for v in self.law.kinks() for part in (1, 2)] if self.of == "V" else []
         inside = [x for x in kinks if edges[0] < x < edges[-1]]
@@ -483,13 +483,13 @@ class _Search:
         most, first = (
             (_MOST, sketch) if self.converges else (_MOST_AVERAGES, value)
         )  # averages have no digits to save
-        found = [resolve(value, part, rtol=_CLOSE, most=most, sketch=first) for part in stretches]
+        resolved = [resolve(value, part, rtol=_CLOSE, most=most, sketch=first) for part in stretches]
         if self.sampled:
             values, errors = np.array(list(self.sampled.values())).T
             if (np.abs(values - self.c) <= errors).all():
                 raise NotConverged(f"the threshold is c, within its error, whatever {self.of} is")
         results = []
-        for root in (root for one in found for root in one.roots()):
+        for root in (root for stretch in resolved for root in stretch.roots()):
             x, width = float(quantity(root.x)), min(abs(float(quantity(u) - quantity(root.x))) for u in root[1:])
             with suppress(*NO_RESULT):
                 result = self._result(x, width)
@@ -500,7 +500,7 @@ class _Search:
                 results.append(self._result(float(quantity(polished))))
         open_ends = [
             *((part[0], part[-1]) for part in missing),
-            *(ends for one in found for ends in one.unresolved),
+            *(ends for stretch in resolved for ends in stretch.unresolved),
         ]
         unresolved = [quantity(np.array(ends)).tolist() for ends in joined(sorted(open_ends))]
         return results, [(low, high) for low, high in unresolved]
@@ -564,12 +564,12 @@ class _Search:
         - `width`: how far it is to where the threshold turns.
         """
         for rtol in (_FINER * self.rtol, TIGHT, TIGHT):
-            one = self._newton(x, max(rtol, TIGHT), width)
-            x, error = one.value, one.relative_error or 0.0  # None of what is defined, not approximated
+            result = self._newton(x, max(rtol, TIGHT), width)
+            x, error = result.value, result.relative_error or 0.0  # None of what is defined, not approximated
             if error <= _FINER * self.rtol:
-                return one
+                return result
         if error <= self.rtol:
-            return one
+            return result
         raise NotConverged(
             f"{self.of} = {x:.6g} is known to {error:.1e} relative only, "
             f"not to rtol = {self.rtol:g}; try another rtol"
@@ -583,7 +583,7 @@ class _Search:
         if not names[0] or math.isnan(value):
             self._no_threshold(x)
         method = self.method or methods()[names[0]]
-        by = {"c": -1.0} | {name: float(one[0]) for name, one in method.sensitivity(points).items()}
+        by = {"c": -1.0} | {name: float(change[0]) for name, change in method.sensitivity(points).items()}
         own = by.pop(self.of)
         with np.errstate(all="ignore"):
             sensitivity = {name: float(np.divide(-change, own)) for name, change in by.items()}
@@ -599,9 +599,9 @@ class _Search:
         moved = near or (self.criterion is None and abs(step) < abs(x) / 2)
         return Critical(self.of, x + step if moved else x, self.unit, method.name, error, sensitivity)
 
-    def _proved(self, one: Critical) -> Critical:
+    def _proved(self, value: Critical) -> Critical:
         """Enclose a value: where the threshold grows with it, the slip returns above it, so minus it is sought."""
-        sign = -1 if one.sensitivity["c"] > 0 else 1
+        sign = -1 if value.sensitivity["c"] > 0 else 1
 
         def decision(x: Fraction, bits: int) -> Transit:
             points = self.at(str(sign * x))
@@ -609,11 +609,14 @@ class _Search:
             checked_hypotheses(point)
             return transit(point, Fraction(self.c), bits)
 
-        found = Search(decision, self.of).around(sign * one.value, one.relative_error or self.rtol, self.rtol)
-        enclosure = found if sign > 0 else Enclosure(-found.high, -found.low)
+        enclosure = Search(decision, self.of).around(
+            sign * value.value, value.relative_error or self.rtol, self.rtol
+        )
+        if sign < 0:
+            enclosure = Enclosure(-enclosure.high, -enclosure.low)
         middle = float(enclosure)
         error = float(enclosure.radius) / abs(middle)
-        return replace(one, value=middle, method="proof", relative_error=error, enclosure=enclosure)
+        return replace(value, value=middle, method="proof", relative_error=error, enclosure=enclosure)
 
 
 def _polished(function: Callable[[float], float], root: Root) -> float | None:

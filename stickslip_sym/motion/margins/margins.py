@@ -50,7 +50,7 @@ class Margin:
     @property
     def change(self) -> float:
         """The smallest relative change that reaches a critical value, with its sign; infinite if there is none."""
-        changes = [one.value / self.value - 1 for one in (self.below, self.above) if one is not None]
+        changes = [end.value / self.value - 1 for end in (self.below, self.above) if end is not None]
         return min(changes, key=abs, default=math.inf)
 
 
@@ -121,7 +121,7 @@ class Margins(Report):
     def _parts(self) -> list[str | Rows]:
         rows = []
         for row in self.rows:
-            ends = ["" if one is None else f"{one.value:.6g}" for one in (row.below, row.above)]
+            ends = ["" if end is None else f"{end.value:.6g}" for end in (row.below, row.above)]
             change = f"{100 * row.change:+.3g} %" if math.isfinite(row.change) else "none"
             rows.append([row.name, f"{row.value:.6g}", *ends, change])
         header = ["quantity", "value", "critical below", "critical above", "smallest change"]
