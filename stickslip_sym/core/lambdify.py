@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 import sympy as sp
+from sympy.printing.pycode import MpmathPrinter
 
 from stickslip_sym.core.aliases import Expr, Numbers
 from stickslip_sym.core.functions import FUNCTIONS
@@ -66,9 +67,25 @@ def _compiled(arguments: tuple[Expr, ...], expr: Expr | tuple[Expr, ...], backen
     if backend == "numpy":
         parts = [_in_floats(part) for part in parts]
     compiled: Callable[..., Any] = sp.lambdify(
-        list(arguments), parts if several else parts[0], modules=_MODULES[backend], dummify=True, cse=several
-    )
+        list(arguments), parts if several else parts[0], modules=_MODULES[backend], dummify=True, cse=several,
+        printer=_Exact() if backend == "mpmath" else None, docstring_limit=0,
+    )  # fmt: skip
     return compiled
+
+
+class _Exact(MpmathPrinter):  # type: ignore[misc]  # SymPy is untyped
+    """Numbers of any length as Python reads them: in decimals it takes 4300 digits at most."""
+
+    def __init__(self) -> None:
+        names = {name: name for name in _MODULES["mpmath"][0]}
+        settings = {"inline": True, "allow_unknown_functions": True, "user_functions": names}
+        super().__init__({"fully_qualified_modules": False, **settings})
+
+    def _print_int(self, expr: int) -> str:
+        return hex(expr) if abs(expr) > _LONGEST else str(expr)
+
+    def _print_Integer(self, expr: sp.Integer) -> str:
+        return self._print_int(expr.p)
 
 
 def _in_floats(expr: Expr) -> Expr:

@@ -159,3 +159,9 @@ def test_fold_visits_each_distinct_node_once():
     functions.fold(expr, lambda node, parts: seen.append(node))
     assert len(seen) == len(set(seen))
     assert functions.fold(expr, lambda node, parts: 1 + max(parts, default=0)) >= 4
+
+
+def test_exact_numbers_of_any_length_are_computed_with():
+    x, number = sp.Symbol("x"), sp.Rational(-(10**5000) - 1, 3)
+    (value,) = function_of([x], [number * x], "mpmath")(mpmath.mpf(3))
+    assert mpmath.almosteq(value, -(mpmath.mpf(10) ** 5000), rel_eps=1e-14)

@@ -31,6 +31,14 @@ def test_narrow_laws_within_the_stated_error(shape):
     assert error <= 1e-8 / V
 
 
+@sweep("shape", sorted(SHAPES.keys() - set(ENCLOSED)), 0)
+def test_narrow_functions_of_log_v_by_quadrature(shape):
+    """Of high powers of v, whose exact coefficients have thousands of digits."""
+    law, V, _ = narrow_law(shape, 3)
+    (average,), (error,), _ = gauss_average(law.bound, [V], criterion=harmonic)
+    assert abs(average - float(ss.quadrature.damping(law, harmonic, V=V, N=1, digits=12))) <= error + 1e-11
+
+
 def over_24_decades(name, count):
     """Return belt speeds of a law, another one in each of some equal ranges of the logarithm."""
     rng = np.random.default_rng([*name.encode()])
