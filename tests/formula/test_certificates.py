@@ -53,7 +53,7 @@ def changed(line, rng):
     nodes = list(ast.walk(value))
     operations = [node for node in nodes if isinstance(node, ast.BinOp) and type(node.op) in OPPOSITE]
     signs = [node for node in nodes if isinstance(node, ast.UnaryOp)]
-    numbers = [node for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, int)]
+    numbers = [node for node in nodes if isinstance(node, ast.Constant) and type(node.value) is int]
     kinds = [kind for kind in (operations, signs, numbers) if kind]
     if not kinds:
         return line
