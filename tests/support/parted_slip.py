@@ -1,4 +1,4 @@
-"""The threshold by SciPy's DOP853, parted where a law varies quickly: it shares nothing with the package.
+"""The threshold by SciPy's DOP853, parted where a law varies quickly; only mu comes from the package.
 
 In units of sqrt(m/k) and V the slip from P has q' = 1 - w and w' = q - 2 zeta w - eta (mu(V w) - mu(0)), from
 q = w = 0. Forward in time it comes to w = 1 from above, and backward from below; at the threshold both are one

@@ -39,7 +39,7 @@ NOISE = 3e-11, 1e-10  # of the integration: in kg/s, and relative
 
 @sweep("batch", range(BATCHES), 0)
 def test_random_laws_against_an_integration_that_knows_the_place(batch):
-    """Of 300 laws every value is right within its error; one in six of a batch is refused at most."""
+    """Of 300 laws every value is right within twice its error; "auto" refuses one in six of a batch at most."""
     refused, unknown = 0, 0
     for seed in range(batch * BATCH, (batch + 1) * BATCH):
         shape, draw = list(SHAPES)[seed % len(SHAPES)], 1000 + seed
