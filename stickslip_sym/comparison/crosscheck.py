@@ -13,6 +13,7 @@ from stickslip_sym.comparison.compare import Comparison, Row, measured
 from stickslip_sym.core.aliases import Mpf
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.core.numbers import Number, exact
+from stickslip_sym.core.precision import mp
 from stickslip_sym.criteria import quadrature
 from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.criteria.rule import average_of_slope
@@ -67,12 +68,13 @@ def crosscheck(
     def judge(value: Mpf | float) -> dict[str, Any]:
         values.append(value)
         shown = digits if isinstance(value, mpmath.mpf) else _DIGITS
-        with mpmath.workdps(digits):
-            value = mpmath.mpf(value)
+        with mp.workdps(digits):
+            value = mp.mpf(value)
             if error and value:
-                shown = min(shown, max(2, 2 + int(mpmath.floor(mpmath.log10(abs(value) / error)))))
-            apart = float(abs(value - values[0]) / (abs(values[0]) or 1))
-            return {"value": mpmath.nstr(value, shown), "relative_error": apart}
+                shown = min(shown, max(2, 2 + int(mp.floor(mp.log10(abs(value) / error)))))
+            first = mp.mpf(values[0])
+            apart = float(abs(value - first) / (abs(first) or 1))
+            return {"value": mp.nstr(value, shown), "relative_error": apart}
 
     rows = [measured(method, compute, judge) for method, compute in methods.items()]
     remarks = list[str]()

@@ -24,6 +24,7 @@ from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import Number, exact, lookup
+from stickslip_sym.core.precision import mp
 from stickslip_sym.core.progress import steps
 from stickslip_sym.core.remedies import Call, Values
 from stickslip_sym.core.status import Status
@@ -277,9 +278,10 @@ def _criterion(law: FrictionLaw, criterion: Criterion, point: Mapping[str, Numbe
         raise InputError("the criterion is 0 at this operating point: nothing has a relative error")
 
     def judge(result: Any) -> dict[str, Any]:
-        value = result if isinstance(result, mpmath.mpf) else mpmath.mpf(float(np.ravel(result)[0]))
-        with mpmath.workdps(_REFERENCE_DIGITS):
-            return {"value": float(value), "relative_error": float(abs(value - right) / abs(right))}
+        with mp.workdps(_REFERENCE_DIGITS):
+            value = mp.mpf(result if isinstance(result, mpmath.mpf) else float(np.ravel(result)[0]))
+            exact_value = mp.mpf(right)
+            return {"value": float(value), "relative_error": float(abs(value - exact_value) / abs(exact_value))}
 
     def row(method: str, setting: str, compute: Callable[[], Any], count: int = 1) -> Row:
         return measured(method, compute, judge, setting=setting, count=count, **_REPEATED)

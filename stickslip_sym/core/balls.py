@@ -11,9 +11,9 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import reduce
 from typing import Any, TypeAlias, TypeVar, cast
 
-import mpmath
 import sympy as sp
 from flint import acb, arb, arb_series, ctx, fmpq
+from mpmath.libmp import mpf_pos, round_nearest
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
@@ -226,8 +226,7 @@ def number_at(expr: Expr, point: Mapping[Expr, Expr]) -> Expr:
         value = ball_value(expr, point)
         if not (value.is_finite() and value.imag.contains(0)):
             return sp.nan
-    with mpmath.workprec(_NUMBER_BITS + 64):
-        return sp.Float(in_mpmath(value.real), precision=_NUMBER_BITS)
+    return sp.Float._new(mpf_pos(in_mpmath(value.real)._mpf_, _NUMBER_BITS, round_nearest), _NUMBER_BITS)
 
 
 def place_at(place: Expr, point: Mapping[Expr, Expr]) -> Expr:

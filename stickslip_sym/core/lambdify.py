@@ -5,18 +5,21 @@ The one place that calls `lambdify`. It generates source text, so only symbols w
 """
 
 from collections.abc import Callable, Sequence
-from functools import lru_cache
-from typing import Any, Literal
+from functools import lru_cache, partial
+from typing import Any, Literal, TypeAlias
 
+import mpmath
 import numpy as np
 import sympy as sp
 from sympy.printing.pycode import MpmathPrinter
+from sympy.utilities.lambdify import MPMATH_TRANSLATIONS
 
 from stickslip_sym.core.aliases import Expr, Numbers
 from stickslip_sym.core.functions import FUNCTIONS
 from stickslip_sym.core.special import Special
 
-Backend = Literal["numpy", "math", "mpmath"]
+Backend: TypeAlias = Literal["numpy", "math", "mpmath"] | mpmath.MPContext
+"""A library of numbers: "mpmath" computes in the user's precision, a context of mpmath in its own."""
 
 _LARGEST_POWER = 8  # of a whole exponent that is multiplied out
 
@@ -43,13 +46,30 @@ def power_of(base: Numbers, exponent: float) -> Numbers:
 
 
 _FLOATS = {row.name: row.floats for row in FUNCTIONS.values() if row.floats is not None}
-_MODULES: dict[Backend, list[Any]] = {
+_SPECIAL = {kind.__name__: kind for kind in FUNCTIONS if issubclass(kind, Special)}
+_MODULES: dict[str, list[Any]] = {
     "math": ["math", _FLOATS],
-    "mpmath": [{kind.__name__: kind.mpf for kind in FUNCTIONS if issubclass(kind, Special)}, "mpmath"],
     "numpy": [{"power_of": power_of}, _FLOATS, "scipy", "numpy"],
 }
 _LONGEST = 2**62  # whole numbers above make NumPy leave its own types for Python's objects
 _DIGITS = 20  # of a number as text: enough that reading it back gives the nearest double
+
+
+def context_of(backend: Backend) -> Any:
+    """Return the context of mpmath that a backend computes in; None for one that computes in floats."""
+    if isinstance(backend, str):
+        return mpmath.mp if backend == "mpmath" else None
+    return backend
+
+
+def _modules(backend: Backend) -> list[Any]:
+    """Return where `lambdify` finds the functions of a backend."""
+    context = context_of(backend)
+    if context is None:
+        return _MODULES[backend]
+    names = {name: getattr(context, name) for name in dir(context) if not name.startswith("_")}
+    names |= {name: names[translated] for name, translated in MPMATH_TRANSLATIONS.items()}
+    return [{name: partial(kind.mpf, context) for name, kind in _SPECIAL.items()}, names]
 
 
 def function_of(arguments: Sequence[Expr], expr: Expr | Sequence[Expr], backend: Backend) -> Callable[..., Any]:
@@ -67,8 +87,8 @@ def _compiled(arguments: tuple[Expr, ...], expr: Expr | tuple[Expr, ...], backen
     if backend == "numpy":
         parts = [_in_floats(part) for part in parts]
     compiled: Callable[..., Any] = sp.lambdify(
-        list(arguments), parts if several else parts[0], modules=_MODULES[backend], dummify=True, cse=several,
-        printer=_Exact() if backend == "mpmath" else None, docstring_limit=0,
+        list(arguments), parts if several else parts[0], modules=_modules(backend), dummify=True, cse=several,
+        printer=None if context_of(backend) is None else _Exact(), docstring_limit=0,
     )  # fmt: skip
     return compiled
 
@@ -77,7 +97,7 @@ class _Exact(MpmathPrinter):  # type: ignore[misc]  # SymPy is untyped
     """Numbers of any length as Python reads them: in decimals it takes 4300 digits at most."""
 
     def __init__(self) -> None:
-        names = {name: name for name in _MODULES["mpmath"][0]}
+        names = {name: name for name in _SPECIAL}
         settings = {"inline": True, "allow_unknown_functions": True, "user_functions": names}
         super().__init__({"fully_qualified_modules": False, **settings})
 

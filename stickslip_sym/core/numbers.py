@@ -15,14 +15,14 @@ from fractions import Fraction
 from functools import reduce
 from operator import truediv
 from types import UnionType
-from typing import TYPE_CHECKING, SupportsFloat, TypeVar
+from typing import TYPE_CHECKING, Any, SupportsFloat, TypeVar
 
 import mpmath
 import numpy as np
 import sympy as sp
-from mpmath.libmp import to_rational
+from mpmath.libmp import from_rational, to_rational
 
-from stickslip_sym.core.aliases import Expr, FloatArray, Mpf
+from stickslip_sym.core.aliases import Expr, FloatArray, Mpf, Rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.remedies import Name
 from stickslip_sym.core.units import in_si
@@ -50,7 +50,7 @@ def fraction(value: Number, name: str) -> Fraction:
     if isinstance(value, str):
         return _from_text(value, name)
     try:
-        if isinstance(value, mpmath.mpf | sp.Float) and mpmath.isfinite(mpmath.make_mpf(value._mpf_)):
+        if hasattr(value, "_mpf_") and mpmath.isfinite(mpmath.make_mpf(value._mpf_)):  # of any context, or SymPy's
             return Fraction(*map(int, to_rational(value._mpf_)))
         if isinstance(value, sp.Rational):
             return Fraction(int(value.p), int(value.q))
@@ -61,6 +61,11 @@ def fraction(value: Number, name: str) -> Fraction:
         raise InputError(
             Name(name), f" = {value!r} is not a finite real number; give a number such as 0.5 or '0.5'"
         ) from None
+
+
+def binary_fraction(number: float) -> Rational:
+    """Return a float as the rational that it is; `sympy.Rational` would round it to mpmath's precision."""
+    return sp.Rational(*float(number).as_integer_ratio())
 
 
 def _from_text(text: str, name: str) -> Fraction:
@@ -114,11 +119,11 @@ def read_rtol(rtol: Number, *, least: float = 1e-13, most: float = 1e-3) -> floa
     return number
 
 
-def to_mpf(number: Expr) -> Mpf:
-    """Round a SymPy number to the current working precision of mpmath."""
+def to_mpf(number: Expr, context: Any = mpmath.mp) -> Mpf:
+    """Round a SymPy number to the working precision of a context of mpmath."""
     if number.is_Float:
-        return +mpmath.make_mpf(number._mpf_)
-    return mpmath.mpf(int(number.p)) / int(number.q)
+        return +context.make_mpf(number._mpf_)
+    return context.make_mpf(from_rational(int(number.p), int(number.q), *context._prec_rounding))
 
 
 def bits(rational: Expr) -> int:

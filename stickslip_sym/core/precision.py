@@ -1,15 +1,17 @@
-"""Arb's working precision, set for a block or raised until a ball is small; and numbers between Arb and mpmath."""
+"""Working precision: Arb's, set for a block or raised until a ball is small, and that of mpmath, one a thread."""
 
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import mpmath
 from flint import acb, arb, ctx
+from mpmath.libmp import dps_to_prec, mpf_pos, round_nearest
 
-from stickslip_sym.core.aliases import Mpf
+from stickslip_sym.core.aliases import Expr, Mpf
 from stickslip_sym.core.deadline import check_time
+from stickslip_sym.core.numbers import to_mpf
 
 Ball = TypeVar("Ball", arb, acb)
 
@@ -46,21 +48,48 @@ def refined(compute: Callable[[], Ball], goal: int, most: float) -> Ball:
         bits = int(min(most, bits + max(min(goal - reached, bits) + _MORE, bits // 4)))
 
 
+# -- mpmath ------------------------------------------------------------------------------------------
+
+
+class _OwnContext(threading.local):
+    """A context of mpmath for each thread: its precision is no setting of the user's, and of no other thread."""
+
+    def __init__(self) -> None:
+        self.context = mpmath.MPContext()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.context, name)
+
+
+mp = _OwnContext()
+"""What `mpmath` is elsewhere: all that computes here sets the precision of this one, never of `mpmath.mp`."""
+
+
+def own_mpf(number: Expr) -> Mpf:
+    """Round a SymPy number to the working precision of `mp`."""
+    return to_mpf(number, mp.context)
+
+
+def rounded(value: Mpf, digits: int) -> Mpf:
+    """Return a number of any context, rounded to so many digits, as the user's own `mpmath.mpf`."""
+    return mpmath.make_mpf(mpf_pos(value._mpf_, dps_to_prec(digits), round_nearest))
+
+
 def in_mpmath(value: arb | acb) -> Mpf:
-    """Return the middle of a ball as mpmath's number, exactly."""
+    """Return the middle of a ball as a number of `mp`, exactly."""
     if isinstance(value, acb):
         real, imaginary = in_mpmath(value.real), in_mpmath(value.imag)
-        return mpmath.mpc(real, imaginary) if imaginary else real
+        return mp.make_mpc((real._mpf_, imaginary._mpf_)) if imaginary else real
     mantissa, exponent = value.mid().man_exp()
-    return mpmath.ldexp(int(mantissa), int(exponent))
+    return mp.ldexp(int(mantissa), int(exponent))
 
 
 def from_mpmath(value: Mpf, error: Mpf = 0) -> acb:
     """Return a ball around a number of mpmath, real or complex."""
 
     def exactly(part: Mpf) -> arb:
-        sign, mantissa, exponent, _ = mpmath.mpmathify(part)._mpf_
+        sign, mantissa, exponent, _ = mp.mpmathify(part)._mpf_
         return arb(((-1) ** sign * int(mantissa), int(exponent)))
 
-    real, imaginary = mpmath.re(value), mpmath.im(value)
+    real, imaginary = mp.re(value), mp.im(value)
     return acb(arb(exactly(real), exactly(error)), arb(exactly(imaginary), exactly(error)) if imaginary else 0)

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Any, ClassVar
 
-import mpmath
 import numpy as np
 import sympy as sp
 from flint import acb, acb_poly, arb, arb_series, ctx, fmpq, fmpq_series
@@ -15,7 +14,7 @@ from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.printer import Printer
 
 from stickslip_sym.core.aliases import Expr, FloatArray, Mpf
-from stickslip_sym.core.precision import from_mpmath, in_mpmath, refined, working_precision
+from stickslip_sym.core.precision import from_mpmath, in_mpmath, mp, refined, working_precision
 
 _MOST = 20_000  # bits of working precision for a value in mpmath
 _NEAR = 1.5  # largest argument of the power series of a removable singularity
@@ -29,14 +28,16 @@ class Special(sp.Function):  # type: ignore[misc]  # SymPy is untyped
     ball: ClassVar[Callable[..., acb]]
 
     @classmethod
-    def mpf(cls, *arguments: Mpf) -> Mpf:
-        """Return the value in mpmath's working precision."""
+    def mpf(cls, context: Any, *arguments: Mpf) -> Mpf:
+        """Return the value in the working precision of a context of mpmath."""
         balls = [from_mpmath(argument) for argument in arguments]
-        return +in_mpmath(refined(lambda: cls.ball(*balls).real, mpmath.mp.prec, _MOST))
+        value = in_mpmath(refined(lambda: cls.ball(*balls).real, context.prec, _MOST))
+        return +context.make_mpf(value._mpf_)
 
     def _eval_evalf(self, prec: int) -> Expr:
-        with mpmath.workprec(prec + 10):
-            return sp.Float._new(self.mpf(*(part._to_mpmath(prec + 10) for part in self.args))._mpf_, prec)
+        arguments = [part._to_mpmath(prec + 10) for part in self.args]
+        with mp.workprec(prec + 10):
+            return sp.Float._new(self.mpf(mp.context, *arguments)._mpf_, prec)
 
 
 class Lerch(Special):

@@ -12,13 +12,13 @@ from itertools import chain, pairwise
 from typing import SupportsIndex
 
 import mpmath
-import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Mpf
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.numbers import Number, exact, require_type, to_mpf
+from stickslip_sym.core.numbers import Number, binary_fraction, exact, require_type
+from stickslip_sym.core.precision import mp, own_mpf, rounded
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.expression.transitions import transitions
@@ -84,13 +84,12 @@ def damping(
     if force == 0 or not law.expr.has(symbols.v):
         law.require_values()
         return mpmath.mpf(0)  # every kernel averages a slope: it integrates to zero
-    with mpmath.workdps(digits + _GUARD):
+    with mp.workdps(digits + _GUARD):
         rule = "tanh-sinh" if law.curve is None else "gauss-legendre"  # of polynomials between kinks
         bound = law.kinetic
-        mu, quick = bound.function("mpmath"), _quick(bound)
-        result = to_mpf(force) * average(mu, bound.exact_kinks, criterion, speed, digits + 2, rule, quick)
-    with mpmath.workdps(digits):
-        return +result
+        mu, quick = bound.function(mp.context), _quick(bound)
+        result = own_mpf(force) * average(mu, bound.exact_kinks, criterion, speed, digits + 2, rule, quick)
+    return rounded(result, digits)
 
 
 def _quick(law: BoundLaw) -> list[Expr]:
@@ -99,7 +98,7 @@ def _quick(law: BoundLaw) -> list[Expr]:
         return []
     segments = {formula for _, formula in law.segments}
     return [
-        sp.Rational(speed + side * width * _WIDER**k)
+        binary_fraction(speed + side * width * _WIDER**k)
         for speed, width in chain(*(transitions(segment, law.point) for segment in segments))
         for k in range(int(math.log(speed / (2 * width), _WIDER)) if 0 < width < speed / 8 else 0)
         for side in (-1, 1)
@@ -119,7 +118,7 @@ def average(
         return _confirmed_slope(mu, speed, digits, (-1, 1) if speed in kinks else (0,))
     singular = False
     try:
-        mu(mpmath.mpf(0))
+        mu(mp.mpf(0))
     except InputError:  # as of log(v), and of v*log(v)
         singular = True
         _require_integrable(mu, criterion, speed)
@@ -150,11 +149,11 @@ def _real(mu: Function) -> Function:
 
     def guarded(v: Mpf) -> Mpf:
         try:
-            value = mpmath.mpmathify(mu(v))
+            value = mp.mpmathify(mu(v))
         except (ZeroDivisionError, ValueError):
-            value = mpmath.nan
-        if isinstance(value, mpmath.mpc) or not mpmath.isfinite(value):
-            raise InputError(f"mu is not a finite real number at v = {mpmath.nstr(v, 8)} m/s: it is {value}")
+            value = mp.nan
+        if isinstance(value, mp.mpc) or not mp.isfinite(value):
+            raise InputError(f"mu is not a finite real number at v = {mp.nstr(v, 8)} m/s: it is {value}")
         return value
 
     return guarded
@@ -163,11 +162,11 @@ def _real(mu: Function) -> Function:
 def _require_integrable(mu: Function, criterion: Criterion, speed: Expr) -> None:
     """Refuse a coefficient that is infinite at v = 0 faster than the weight vanishes there."""
     order = criterion.order_at_rest
-    with mpmath.workdps(_GUARD + 15):
+    with mp.workdps(_GUARD + 15):
         near, nearer = (
-            abs(mu(v)) * v ** to_mpf(order) for v in (to_mpf(speed) * mpmath.mpf(10) ** -k for k in _NEAR)
+            abs(mu(v)) * v ** own_mpf(order) for v in (own_mpf(speed) * mp.mpf(10) ** -k for k in _NEAR)
         )
-        grows = nearer > near * (mpmath.mpf("1.01") if order == 0 else mpmath.mpf("0.5"))
+        grows = nearer > near * (mp.mpf("1.01") if order == 0 else mp.mpf("0.5"))
     if grows and nearer > 0:
         raise InputError(
             f"mu is infinite at v = 0+, faster than the weight of the criterion {criterion.name!r} allows, so it "
@@ -183,14 +182,14 @@ def _following_cancellation(compute: Callable[[Mpf], tuple[Mpf, Mpf]], digits: i
     """
     lost = 0
     while True:
-        with mpmath.workdps(digits + _GUARD + lost):
-            total, size = compute(mpmath.mpf(10) ** -(digits + lost + _GUARD // 2))
-            bits = mpmath.mag(size) - mpmath.mag(total) if total else mpmath.inf
+        with mp.workdps(digits + _GUARD + lost):
+            total, size = compute(mp.mpf(10) ** -(digits + lost + _GUARD // 2))
+            bits = mp.mag(size) - mp.mag(total) if total else mp.inf
             needed = max(0, bits * math.log10(2) + 1)
         if needed <= lost + 1:
             return total
         if lost >= most:
-            return mpmath.mpf(0)
+            return mp.mpf(0)
         # Where all digits cancelled, what is left is noise that hides how many more there are.
         drowned = needed >= digits + lost
         lost = most if drowned and lost else int(min(most, max(needed + 2, 10)))
@@ -209,37 +208,37 @@ def _integral(
 
     Over v, or under the harmonic weight over phi, v = 2V sin^2(phi): no singular ends, no v that cancels.
     """
-    V = to_mpf(speed)
-    inside = [V, *(to_mpf(place) for place in parting if place < 2 * speed)]  # the kernel changes its sign at V
+    V = own_mpf(speed)
+    inside = [V, *(own_mpf(place) for place in parting if place < 2 * speed)]  # the kernel changes its sign at V
     if criterion.is_polynomial:
-        kernel = function_of([symbols.v, symbols.V], criterion.kernel, "mpmath")
-        ends = [mpmath.mpf(0), *sorted(set(inside)), 2 * V]
+        kernel = function_of([symbols.v, symbols.V], criterion.kernel, mp.context)
+        ends = [mp.mpf(0), *sorted(set(inside)), 2 * V]
     else:
         angle = criterion.angle_kernel.subs(symbols.theta, 2 * symbols.theta) * 2
-        kernel = function_of([symbols.theta, symbols.V], angle, "mpmath")
-        angles = {mpmath.asin(mpmath.sqrt(place / (2 * V))) for place in inside}
-        ends = [mpmath.mpf(0), *sorted(angles), mpmath.pi / 2]
+        kernel = function_of([symbols.theta, symbols.V], angle, mp.context)
+        angles = {mp.asin(mp.sqrt(place / (2 * V))) for place in inside}
+        ends = [mp.mpf(0), *sorted(angles), mp.pi / 2]
 
     def integrand(x: Mpf) -> Mpf:
-        return mu(x if criterion.is_polynomial else 2 * V * mpmath.sin(x) ** 2) * kernel(x, V)
+        return mu(x if criterion.is_polynomial else 2 * V * mp.sin(x) ** 2) * kernel(x, V)
 
     def stretched(y: Mpf) -> Mpf:
-        return integrand(y**power) * power * y ** (power - 1) if y else mpmath.mpf(0)
+        return integrand(y**power) * power * y ** (power - 1) if y else mp.mpf(0)
 
     power = _STRETCHING
     if singular:
         # In y, x = y^power, what is infinite at x = 0 but integrable vanishes at y = 0, or almost.
-        near, nearer = (ends[-1] * mpmath.mpf(10) ** -k for k in _NEAR)
+        near, nearer = (ends[-1] * mp.mpf(10) ** -k for k in _NEAR)
         values = [abs(integrand(x)) for x in (near, nearer)]
-        steepness = mpmath.log(values[1] / values[0]) / mpmath.log(near / nearer) if all(values) else 0
+        steepness = mp.log(values[1] / values[0]) / mp.log(near / nearer) if all(values) else 0
         power = max(power, min(int(1 / (1 - steepness)), _MOST_STRETCHING)) if 0 < steepness < 1 else power
-        ends = [mpmath.root(end, power) for end in ends]
+        ends = [mp.root(end, power) for end in ends]
     panels = pairwise(ends)
     parts = [_adaptive(stretched if singular else integrand, *panel, tolerance, rule) for panel in panels]
-    rest = V * mpmath.mpf(10) ** (-4 * mpmath.mp.dps) if singular else mpmath.mpf(0)
+    rest = V * mp.mpf(10) ** (-4 * mp.dps) if singular else mp.mpf(0)
     low, high = criterion.ends
-    parts += [to_mpf(weight) * mu(v) / V for weight, v in ((low, rest), (-high, 2 * V)) if weight]
-    return mpmath.fsum(parts), mpmath.fsum(parts, absolute=True)
+    parts += [own_mpf(weight) * mu(v) / V for weight, v in ((low, rest), (-high, 2 * V)) if weight]
+    return mp.fsum(parts), mp.fsum(parts, absolute=True)
 
 
 def _confirmed_slope(mu: Function, speed: Expr, digits: int, sides: Sequence[int]) -> Mpf:
@@ -249,18 +248,18 @@ def _confirmed_slope(mu: Function, speed: Expr, digits: int, sides: Sequence[int
     """
 
     def slope(tolerance: Mpf) -> tuple[Mpf, Mpf]:
-        V = to_mpf(speed)
-        step = mpmath.ldexp(V, -mpmath.mp.prec - _GUARD)  # mpmath's own relative one is 1/V of what it should be
+        V = own_mpf(speed)
+        step = mp.ldexp(V, -mp.prec - _GUARD)  # mpmath's own relative one is 1/V of what it should be
         # The differences stay on their side: their steps are smaller than the tolerance.
-        slopes = [mpmath.diff(mu, V * (1 + side * tolerance), h=step) for side in sides]
-        return -mpmath.fsum(slopes) / len(slopes), abs(mu(V) / V)
+        slopes = [mp.diff(mu, V * (1 + side * tolerance), h=step) for side in sides]
+        return -mp.fsum(slopes) / len(slopes), abs(mu(V) / V)
 
     wanted = digits
     while wanted < _MOST_LOST_IN_SLOPE:
         result = _following_cancellation(slope, wanted, _MOST_LOST_IN_SLOPE)
         again = _following_cancellation(slope, wanted + digits + _GUARD, _MOST_LOST_IN_SLOPE)
-        with mpmath.workdps(digits + _GUARD):
-            if abs(again - result) <= abs(again) * mpmath.mpf(10) ** -digits:
+        with mp.workdps(digits + _GUARD):
+            if abs(again - result) <= abs(again) * mp.mpf(10) ** -digits:
                 return again
         wanted = 2 * (wanted + digits + _GUARD)
     raise NotConverged(f"the slope of mu at V = {float(speed):g} does not settle to {digits} digits")
@@ -273,22 +272,22 @@ def _adaptive(f: Function, a: Mpf, b: Mpf, tolerance: Mpf, rule: str) -> Mpf:
     def add(left: Mpf, right: Mpf) -> None:
         # mpmath's error estimate is absolute, so the integrand is brought to the order of 1 first.
         looks = [abs(f(left + (right - left) * fraction)) for fraction in _LOOKS]
-        scale = max(looks) * (right - left) or mpmath.mpf(1)
-        value, error = mpmath.quad(lambda u: f(u) / scale, [left, right], error=True, method=rule)
+        scale = max(looks) * (right - left) or mp.mpf(1)
+        value, error = mp.quad(lambda u: f(u) / scale, [left, right], error=True, method=rule)
         # Its degrees agree where all of them step over a narrow peak; the halves have other nodes.
-        halves = mpmath.quad(lambda u: f(u) / scale, [left, (left + right) / 2, right], method=rule)
+        halves = mp.quad(lambda u: f(u) / scale, [left, (left + right) / 2, right], method=rule)
         heapq.heappush(panels, (-max(error, abs(halves - value)) * scale, left, right, halves * scale))
 
     add(a, b)
     while len(panels) <= _MOST_PANELS:
-        error = -mpmath.fsum(panel[0] for panel in panels)
-        if error <= tolerance * mpmath.fsum((panel[3] for panel in panels), absolute=True):
-            return mpmath.fsum(panel[3] for panel in panels)
+        error = -mp.fsum(panel[0] for panel in panels)
+        if error <= tolerance * mp.fsum((panel[3] for panel in panels), absolute=True):
+            return mp.fsum(panel[3] for panel in panels)
         _, left, right, _ = heapq.heappop(panels)
         middle = (left + right) / 2
         add(left, middle)
         add(middle, right)
     raise NotConverged(
-        f"the quadrature did not reach {mpmath.nstr(tolerance, 2)} relative with {_MOST_PANELS} panels; "
+        f"the quadrature did not reach {mp.nstr(tolerance, 2)} relative with {_MOST_PANELS} panels; "
         "ask for fewer digits, or split the law where it is not smooth"
     )

@@ -8,8 +8,8 @@ large argument, mpmath evaluates; its value counts as a ball as wide as two prec
 import math
 from collections.abc import Callable, Mapping
 from functools import lru_cache
+from typing import Any
 
-import mpmath
 import sympy as sp
 from flint import acb, arb, ctx
 
@@ -19,7 +19,7 @@ from stickslip_sym.core.balls import ball_value
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.functions import arguments, without_squares
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.precision import from_mpmath, in_mpmath, refined
+from stickslip_sym.core.precision import from_mpmath, in_mpmath, mp, refined, rounded
 from stickslip_sym.model.at_rest import symbolic_limit_at_rest
 
 _MOST_BITS = 33_000  # of working precision, some 10 000 digits, before a value counts as out of reach
@@ -31,8 +31,7 @@ _MORE = 64  # bits by which the second look of mpmath is more precise
 def to_digits(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> Mpf:
     """Evaluate an expression at exact rational values to `digits` significant digits, as `to_ball` does."""
     value, _ = to_ball(expr, point, digits)
-    with mpmath.workdps(digits):
-        return +in_mpmath(value)
+    return rounded(in_mpmath(value), digits)
 
 
 def to_ball(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> tuple[arb, bool]:
@@ -84,34 +83,34 @@ def _by_mpmath(node: Expr, arguments: list[acb]) -> acb:
     entire = isinstance(node, sp.hyper) and len(node.ap) == len(node.bq) > 2
     if entire and arguments[-1].abs_lower() > _LONGEST_SERIES:
         raise NotConverged("a hypergeometric series of the closed form is too long")
-    function = _function(node.func, tuple(len(a) if isinstance(a, sp.Tuple) else 0 for a in node.args))
+    function = _function(node.func, tuple(len(a) if isinstance(a, sp.Tuple) else 0 for a in node.args), mp.context)
     places = [in_mpmath(argument) for argument in arguments]
 
     def value(places: list[Mpf]) -> Mpf:
-        return mpmath.mpmathify(function(*places))
+        return mp.mpmathify(function(*places))
 
     try:
-        with mpmath.workprec(ctx.prec):
+        with mp.workprec(ctx.prec):
             rough = value(places)
-            error = mpmath.ldexp(abs(rough), 2 - ctx.prec)
+            error = mp.ldexp(abs(rough), 2 - ctx.prec)
             for i, argument in enumerate(arguments):
                 if radius := in_mpmath(arb(argument.rad())):
-                    step = mpmath.mpc(radius, radius) if argument.imag != 0 else radius
+                    step = mp.mpc(radius, radius) if argument.imag != 0 else radius
                     moved = [value([*places[:i], places[i] + way * step, *places[i + 1 :]]) for way in (1, -1)]
                     error += 2 * sum(abs(value - rough) for value in moved)
-        with mpmath.workprec(ctx.prec + _MORE):
+        with mp.workprec(ctx.prec + _MORE):
             fine = value(places)
             error += 2 * abs(fine - rough)
-    except mpmath.mp.NoConvergence as failure:
+    except mp.NoConvergence as failure:
         raise NotConverged(f"a special function of the closed form could not be evaluated: {failure}") from None
     return from_mpmath(fine, error)
 
 
 @lru_cache(maxsize=64)
-def _function(kind: type[Expr], lengths: tuple[int, ...]) -> Callable[..., Mpf]:
+def _function(kind: type[Expr], lengths: tuple[int, ...], context: Any) -> Callable[..., Mpf]:
     """Compile a function, of whose arguments some are tuples of so many."""
     node = kind(*(sp.Tuple(*sp.symbols(f"x:{n}", cls=sp.Dummy)) if n else sp.Dummy() for n in lengths))
-    return function_of(arguments(node), node, "mpmath")
+    return function_of(arguments(node), node, context)
 
 
 def _no_value(point: Mapping[Expr, Expr]) -> InputError:

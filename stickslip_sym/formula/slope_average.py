@@ -8,7 +8,6 @@ from functools import cached_property
 from operator import le
 from typing import Any, Literal
 
-import mpmath
 import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
@@ -17,7 +16,8 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, Mpf, Numbers
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.numbers import read_array, suggestion, to_mpf
+from stickslip_sym.core.numbers import binary_fraction, read_array, suggestion
+from stickslip_sym.core.precision import mp, own_mpf, rounded
 from stickslip_sym.core.remedies import Argument, Call
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.criteria.enclosure import enclose
@@ -64,8 +64,8 @@ class SlopeAverage(TermSum):
         middle = (
             enclosure.mid if enclosure.low * enclosure.high > 0 else Fraction(0)
         )  # which 400 digits leave open
-        with mpmath.workdps(digits):
-            return to_mpf(sp.Rational(middle.numerator, middle.denominator))
+        with mp.workdps(digits):
+            return rounded(own_mpf(sp.Rational(middle.numerator, middle.denominator)), digits)
 
     @cached_property
     def conditions(self) -> tuple[Expr, ...]:
@@ -244,7 +244,7 @@ class SlopeAverage(TermSum):
         return np.asarray(_ALLOWED * force * self._mean_slope(speed, *rest))
 
     def _by_balls(self, values: Sequence[float]) -> float:
-        point = {symbol: sp.Rational(x) for symbol, x in zip(self.arguments.values(), values, strict=True)}
+        point = {symbol: binary_fraction(x) for symbol, x in zip(self.arguments.values(), values, strict=True)}
         for term in self.functions:
             term.require_reach(values)
         try:

@@ -18,7 +18,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.functions import elementary, fold, row
-from stickslip_sym.core.lambdify import Backend, function_of
+from stickslip_sym.core.lambdify import Backend, context_of, function_of
 from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.model.expression.pieces import branch_from, kinked, without_endless
 
@@ -38,8 +38,8 @@ def function_at(expr: Expr, values: Mapping[Expr, Expr], backend: Backend) -> Ca
     Values go in as arguments, not into the expression: SymPy would factor powers of fractions.
     """
     compiled = function_of([*values, symbols.v], without_endless(expr, values), backend)
-    if backend == "mpmath":  # rounded to the precision at a call
-        return lambda v: compiled(*map(to_mpf, values.values()), v)
+    if (context := context_of(backend)) is not None:  # rounded to the precision at a call
+        return lambda v: compiled(*(to_mpf(value, context) for value in values.values()), v)
     return partial(compiled, *map(float, values.values()))
 
 

@@ -14,7 +14,6 @@ from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import Any, SupportsFloat
 
-import mpmath
 import numpy as np
 import sympy as sp
 from scipy.interpolate import PchipInterpolator, PPoly
@@ -22,8 +21,8 @@ from scipy.interpolate import PchipInterpolator, PPoly
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Mpf, Rational
 from stickslip_sym.core.errors import InputError, InputWarning
-from stickslip_sym.core.lambdify import Backend
-from stickslip_sym.core.numbers import Number, exact, to_mpf
+from stickslip_sym.core.lambdify import Backend, context_of
+from stickslip_sym.core.numbers import Number, binary_fraction, exact, to_mpf
 from stickslip_sym.core.remedies import Argument, Call
 from stickslip_sym.model.expression.pieces import piecewise
 
@@ -106,19 +105,21 @@ class SampledCurve:
 
     def function(self, backend: Backend, *, derivative: bool) -> Callable[[Any], Any]:
         """Return mu(v), or its slope, as a function of one library's numbers; beyond the end, the last piece."""
-        if backend != "mpmath":
+        context = context_of(backend)
+        if context is None:
             polynomials: Callable[[Any], Any] = self._polynomials.derivative() if derivative else self._polynomials
             return polynomials
         rows = [[j * cubic[j] for j in (3, 2, 1)] if derivative else cubic[::-1] for cubic in self.cubics]
 
         @lru_cache
         def rounded(precision: int) -> tuple[list[Mpf], list[list[Mpf]]]:
-            return [to_mpf(place) for place in self.places], [[to_mpf(number) for number in row] for row in rows]
+            places = [to_mpf(place, context) for place in self.places]
+            return places, [[to_mpf(number, context) for number in row] for row in rows]
 
         def at_precision(v: Mpf) -> Mpf:
-            places, coefficients = rounded(mpmath.mp.prec)
+            places, coefficients = rounded(context.prec)
             piece = max(bisect_right(places, v) - 1, 0)
-            return mpmath.polyval(coefficients[piece], v - places[piece])
+            return context.polyval(coefficients[piece], v - places[piece])
 
         return at_precision
 
@@ -179,7 +180,7 @@ def _hermite_cubics(x: Sequence[Rational], y: Sequence[Rational]) -> list[tuple[
     # Scaled, so that neither subnormal nor huge speeds harm the slopes, which are then made exact.
     width, height = x[-1], max(map(abs, y)) or sp.Integer(1)
     scaled = PchipInterpolator([float(value / width) for value in x], [float(value / height) for value in y])
-    d = [sp.Rational(float(slope)) * height / width for slope in scaled(scaled.x, nu=1)]
+    d = [binary_fraction(slope) * height / width for slope in scaled(scaled.x, nu=1)]
     cubics = []
     for i, ((x0, y0), (x1, y1)) in enumerate(pairwise(zip(x, y, strict=True))):
         step = x1 - x0

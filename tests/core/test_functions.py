@@ -105,7 +105,7 @@ def test_removable_singularities_keep_digits(kind, order):
             expected = plain(mpmath.mpf(number))
         assert kind.floats(number, order) == pytest.approx(float(expected), rel=3e-14)
         with mpmath.workdps(30):
-            assert kind.mpf(mpmath.mpf(number), order) == pytest.approx(expected, rel=1e-28)
+            assert kind.mpf(mpmath.mp, mpmath.mpf(number), order) == pytest.approx(expected, rel=1e-28)
         with working_precision(140, 4):
             value = kind.ball(acb(number), acb(order)).real
             assert value.overlaps(arb(mpmath.nstr(expected, 60)))

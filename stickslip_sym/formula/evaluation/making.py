@@ -23,6 +23,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.balls import ball
 from stickslip_sym.core.functions import elementary, row
+from stickslip_sym.core.numbers import binary_fraction
 from stickslip_sym.core.precision import refined, working_precision
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.at_rest import decay_at_rest
@@ -398,7 +399,7 @@ def _is_fast(function: Expr) -> bool:
 
 def _sum(power: Expr, variable: Expr, parts: Sequence[tuple[Expr | None, tuple[float, ...]]]) -> Sum:
     """Return a branch with its power as a float: far from r = 1 a factor restores what rounding took from it."""
-    if rest := float(power - sp.Rational(float(power))):
+    if rest := float(power - binary_fraction(power)):
         factor = 1 + rest * sp.log(symbols.V)
         parts = [(factor if f is None else factor * f, coefficients) for f, coefficients in parts]
     return Sum(float(power), float(variable), tuple(parts))

@@ -15,6 +15,7 @@ from flint import arb
 from stickslip_sym.core.aliases import BoolArray, Expr, Numbers
 from stickslip_sym.core.errors import InputError, NoClosedForm
 from stickslip_sym.core.lambdify import function_of, power_of
+from stickslip_sym.core.numbers import binary_fraction
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.average import average_of
@@ -86,7 +87,7 @@ class TermFunction:
 
     def exact_shapes(self, shapes: Sequence[float]) -> dict[Expr, Expr]:
         """Return the symbols of the shapes with values as rationals."""
-        return dict(zip(self.average.shapes, map(sp.Rational, shapes), strict=True))
+        return dict(zip(self.average.shapes, map(binary_fraction, shapes), strict=True))
 
     def branches(self, shapes: tuple[float, ...] = ()) -> Branches | None:
         """Return the branches for values of the shapes; None if there are none."""

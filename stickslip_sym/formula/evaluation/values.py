@@ -25,6 +25,7 @@ from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import arguments, without_squares
 from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.core.numbers import binary_fraction
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.evaluation.interpolation import legendre
@@ -95,8 +96,8 @@ class Values:
     ) -> None:
         self.profile, self.criterion, self.point = profile, criterion, point
         self.kinks = [ball(kink).real for kink in kinks_at(profile, point)]
-        inner = [sp.Rational(float(low + high) / 2) for low, high in pairwise([arb(0), *self.kinks])]
-        outer = sp.Rational(float(2 * self.kinks[-1])) if self.kinks else sp.Integer(1)
+        inner = [binary_fraction(float(low + high) / 2) for low, high in pairwise([arb(0), *self.kinks])]
+        outer = binary_fraction(float(2 * self.kinks[-1])) if self.kinks else sp.Integer(1)
         pieces = [branch_from(profile, point, place) for place in (*inner, outer)]
         self.slopes = [ball_function(_centred(slope_of(piece)), symbols.v, point) for piece in pieces]
         self.parts = pieces

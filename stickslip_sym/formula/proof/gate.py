@@ -21,7 +21,7 @@ from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.functions import without_squares
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import exact
-from stickslip_sym.core.precision import refined, working_precision
+from stickslip_sym.core.precision import mp, refined, working_precision
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria import quadrature
 from stickslip_sym.criteria.criterion import Criterion
@@ -120,7 +120,7 @@ def _definition(profile: Expr, criterion: Criterion, point: Mapping[Expr, Expr])
     with suppress(InputError, NotConverged):
         return enclosure_of(refined(enclosed, _BITS, _MOST_BITS)), True
     # The profile is infinite at v = 0, or holds a function that is not enclosed.
-    mu = function_of([symbols.v], profile.xreplace(shapes), "mpmath")
+    mu = function_of([symbols.v], profile.xreplace(shapes), mp.context)
     kinks, digits = kinks_at(profile, shapes), _QUADRATURE_DIGITS
     number = exact(quadrature.average(mu, kinks, criterion, point[symbols.V], digits), "value")
     margin = abs(number) / sp.Integer(10) ** (digits - _LOST)
