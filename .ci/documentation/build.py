@@ -25,7 +25,7 @@ FOLDER = ROOT / "build" / "documentation"
 DOCS = "stickslip_sym/docs"
 PAGES = {
     "README.md": "index", f"{DOCS}/notebook.ipynb": "notebook", f"{DOCS}/tutorial.md": "tutorial",
-    f"{DOCS}/instruments.md": "instruments", f"{DOCS}/methods.md": "methods",
+    f"{DOCS}/instruments.md": "instruments", f"{DOCS}/systems.md": "systems", f"{DOCS}/methods.md": "methods",
     f"{DOCS}/gallery.md": "gallery", "derivations/paper.md": "derivation", "derivations/README.md": "proofs",
     "paper_checks/README.md": "paper_checks", "CHANGELOG.md": "changelog", "CONTRIBUTING.md": "contributing",
 }  # fmt: skip

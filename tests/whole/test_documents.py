@@ -26,8 +26,8 @@ GALLERY = f"{DOCS}/gallery.md"
 DOCUMENTS = {
     name: (ROOT / name).read_text(encoding="utf-8")
     for name in (
-        "README.md", "CONTRIBUTING.md", f"{DOCS}/tutorial.md", f"{DOCS}/instruments.md", f"{DOCS}/methods.md",
-        GALLERY, "derivations/README.md", DERIVATION, "paper_checks/README.md",
+        "README.md", "CONTRIBUTING.md", f"{DOCS}/tutorial.md", f"{DOCS}/instruments.md", f"{DOCS}/systems.md",
+        f"{DOCS}/methods.md", GALLERY, "derivations/README.md", DERIVATION, "paper_checks/README.md",
     )
 }  # fmt: skip
 TIME = re.compile(r"\b[\d.]+ (ns|us|ms|s)\b")
@@ -101,14 +101,21 @@ def test_console_blocks_print_what_they_say(name, command, output, tmp_path):
 
 
 def test_documents_have_what_the_tests_run():
-    shown = {"README.md", "CONTRIBUTING.md", f"{DOCS}/tutorial.md", f"{DOCS}/instruments.md", DERIVATION}
+    shown = {
+        "README.md",
+        "CONTRIBUTING.md",
+        f"{DOCS}/tutorial.md",
+        f"{DOCS}/instruments.md",
+        f"{DOCS}/systems.md",
+        DERIVATION,
+    }
     assert {name for name, _ in blocks("python")} >= shown
     assert {name for name, _ in blocks("console")} == {"README.md", f"{DOCS}/methods.md", "derivations/README.md"}
     setups = [line for _, text in blocks("sh", ["README.md"]) for line in text.splitlines()]
     assert len(setups) == 2
     assert setups[0].endswith("stickslip derive exponential")
     assert setups[1].endswith("pytest")
-    assert len(DOCUMENTS["README.md"].splitlines()) <= 150
+    assert len(DOCUMENTS["README.md"].splitlines()) <= 170  # three screens
 
 
 @pytest.mark.parametrize("name", sorted({*DOCUMENTS} - {GALLERY}))
