@@ -5,7 +5,7 @@ import sys
 
 from derivations import CHAPTERS, chapter
 from stickslip_sym import InputError, Status
-from stickslip_sym.formula.derivation_script import certificate
+from stickslip_sym.certificates.derivations import certificate_of_derivation
 
 
 def main() -> int:
@@ -19,7 +19,7 @@ def main() -> int:
         derivation = chapter(options.name)({})
         if options.certificate:
             try:
-                print(certificate(derivation), end="")
+                print(certificate_of_derivation(derivation), end="")
             except InputError as failure:
                 parser.error(str(failure))
             return 0

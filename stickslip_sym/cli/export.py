@@ -38,7 +38,7 @@ def run(given: Given) -> None:
 
     Example: stickslip export exponential polynomial --criterion all --latex criteria.tex --symbol V=v_b
     """
-    from stickslip_sym.formula.certificate import certificate
+    from stickslip_sym.certificates.closed_forms import certificate_of_forms
     from stickslip_sym.model.files import text_of
     from stickslip_sym.output import files
 
@@ -72,7 +72,7 @@ def run(given: Given) -> None:
         style["certificate"] = targets["certificate"].name
     write = {
         "latex": lambda: ss.export_latex(forms, missing=missing, **style),
-        "certificate": lambda: certificate(forms),
+        "certificate": lambda: certificate_of_forms(forms),
         "save": lambda: text_of(laws),
     }
     files.write_texts(

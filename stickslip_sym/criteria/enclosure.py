@@ -24,7 +24,6 @@ from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.numbers import Number, fraction
 from stickslip_sym.core.precision import refined, working_precision
 from stickslip_sym.criteria.at_rest import bound_below, decay_at_rest, vanishing
-from stickslip_sym.criteria.certificate import certificate
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.quadrature import MOST_DIGITS, read_operating_point
 from stickslip_sym.model.expression.pieces import branch_from, kinks_at
@@ -133,7 +132,9 @@ class EnclosedCriterion(Enclosure):
 
         Raises `InputError` for a value of 0, or a law with a function that the script has no rule for.
         """
-        return certificate(self.law, self.criterion, self.V, self.N, self.low, self.high, str(self))
+        from stickslip_sym.certificates.enclosures import certificate_of_enclosure
+
+        return certificate_of_enclosure(self.law, self.criterion, self.V, self.N, self.low, self.high, str(self))
 
 
 def _truncated(value: Fraction, digits: int) -> str:

@@ -19,7 +19,6 @@ from stickslip_sym.core.status import Status
 from stickslip_sym.core.symbols import N, V, c, mu, v
 from stickslip_sym.criteria.criterion import Criterion, find
 from stickslip_sym.formula.average import Average, average_of
-from stickslip_sym.formula.certificate import certificate
 from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.exact import exact_value
 from stickslip_sym.formula.limits import Limits, limits_of
@@ -274,7 +273,9 @@ class ClosedForm(SlopeAverage):
         >>> print(derive("mu_s - a*v").certificate().splitlines()[-1])
         print("proved: mu_s - a*v, least_squares")
         """
-        return certificate([self])
+        from stickslip_sym.certificates.closed_forms import certificate_of_forms
+
+        return certificate_of_forms([self])
 
     def _repr_html_(self) -> str:
         where = f"{self.law.name or self.law.text}, {self.criterion.name}: damping coefficient in kg/s"

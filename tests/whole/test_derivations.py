@@ -10,8 +10,8 @@ from sweeps import sweep
 from derivations import CERTIFICATES, CHAPTERS, chapter, paper
 from derivations.d8_second_order import law_4
 from stickslip_sym import InputError, Status, derive
+from stickslip_sym.certificates.derivations import certificate_of_derivation
 from stickslip_sym.core.symbols import N, V, a, c, k, m, mu, s, u
-from stickslip_sym.formula.derivation_script import certificate
 from stickslip_sym.formula.proof.proving import prove_equal, prove_positive
 from stickslip_sym.formula.proof.theorems import Antiderivative, ChangeOfVariable
 
@@ -108,7 +108,7 @@ def test_text_and_latex_name_every_equation():
 def test_the_linearisation_leaves_with_its_proof():
     """The page beside the derivations is made anew; a wrong sign is noticed, and what has no page says why."""
     pages = Path(__file__).parents[2] / "derivations" / "certificates"
-    page = certificate(chapter("least_squares")({}))
+    page = certificate_of_derivation(chapter("least_squares")({}))
     assert (pages / "least_squares.py").read_text(encoding="utf-8") == page
     for right, wrong, step in (
         ("(V - u, u))", "(V + u, u))", "step 1 (13)"),
@@ -120,10 +120,10 @@ def test_the_linearisation_leaves_with_its_proof():
         with pytest.raises(AssertionError, match=re.escape(step)):
             exec(page.replace(right, wrong, 1), {})
     with pytest.raises(InputError, match="no rule for PieceByPiece, which step 1 takes"):
-        certificate(chapter("energy_balance")({}))
+        certificate_of_derivation(chapter("energy_balance")({}))
     wrong = {"(15) a": paper.equations()["(15) b"]}
     with pytest.raises(InputError, match="a certificate is for what is PROVED"):
-        certificate(chapter("least_squares")(wrong))
+        certificate_of_derivation(chapter("least_squares")(wrong))
 
 
 @pytest.mark.parametrize(("law", "criterion"), CERTIFICATES)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from stickslip_sym.output.script import sections
+from stickslip_sym.output.sections import sections
 
 _HERE = Path(__file__).parent
 

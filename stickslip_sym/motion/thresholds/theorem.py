@@ -23,7 +23,6 @@ from stickslip_sym.criteria.enclosure import Enclosure, enclosure_of
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.lipschitz import BITS_OF_SIGNS, lipschitz_evidence
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, Undecided, transit
-from stickslip_sym.motion.thresholds.certificate import certificate
 from stickslip_sym.motion.thresholds.operating_points import VANISHING
 from stickslip_sym.output import printing
 from stickslip_sym.output.layout import prose
@@ -102,12 +101,15 @@ class Theorem:
 
     def certificate(self) -> str:
         """Return a Python script that proves the theorem by itself, in python-flint and without this package."""
+        from stickslip_sym.certificates.thresholds import certificate_of_threshold
+
         point = ExactPoint(self.law, *(self.values[name] for name in ("V", "N", "m", "k")))
         transits = [self.below, self.above, *([] if self.undamped is None else [self.undamped])]
         bits = max(transit.bits for transit in transits)
         conditions = [f"{what}: {how}" for what, how in self.hypotheses]
         ends = self.low, self.high
-        return certificate(point, ends, bits, self.undamped is not None, self.statement, conditions)
+        is_undamped = self.undamped is not None
+        return certificate_of_threshold(point, ends, bits, is_undamped, self.statement, conditions)
 
     def latex(self) -> str:
         """Return the theorem and its proof as LaTeX paragraphs."""

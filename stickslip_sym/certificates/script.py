@@ -1,16 +1,9 @@
-"""Scripts that leave the package: pages of text with sections, and names that are safe in them."""
+"""What scripts that leave the package share: lines that are chosen, imports, and names that are safe in them."""
 
 import builtins
 import keyword
 import re
 from collections.abc import Iterable
-from pathlib import Path
-
-
-def sections(page: Path) -> dict[str, str]:
-    """Return the sections of a page of text, each of which begins with a line "@@ name", by their names."""
-    parts = page.read_text(encoding="utf-8").split("@@ ")[1:]
-    return dict(part.split("\n", 1) for part in parts)
 
 
 def chosen(text: str, names: set[str]) -> str:

@@ -12,19 +12,19 @@ from textwrap import fill
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from stickslip_sym.certificates.python_printer import WIDTH, assignment, code, imports, line
+from stickslip_sym.certificates.script import SafeNames
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.remedies import Call
 from stickslip_sym.core.status import Status
 from stickslip_sym.formula.derivation import Derivation, Step
 from stickslip_sym.formula.proof.theorems import ChangeOfVariable, LinearSolution
-from stickslip_sym.output.python_printer import WIDTH, assignment, code, imports, line
-from stickslip_sym.output.script import SafeNames
 
 _PAGE = Path(__file__).with_suffix(".txt")
 
 
-def certificate(derivation: Derivation) -> str:
+def certificate_of_derivation(derivation: Derivation) -> str:
     """Return a script that proves the steps of a derivation one after another, and needs SymPy only.
 
     Raises `InputError` for a derivation that is not proved, or takes a theorem that a script has no rule for.

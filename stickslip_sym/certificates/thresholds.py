@@ -1,6 +1,6 @@
 """A proved threshold as a script in python-flint alone: nothing of this package is needed to run it.
 
-The page `certificate.txt` follows the slip from P as `boxes` does, in one piece for a reader. The law, the
+The page `thresholds.txt` follows the slip from P as `boxes` does, in one piece for a reader. The law, the
 operating point, both dampings, and what the theorem says of them in words are put in.
 """
 
@@ -12,16 +12,17 @@ from string import Template
 import sympy as sp
 from flint import arb
 
+from stickslip_sym.certificates import in_flint
+from stickslip_sym.certificates.in_flint import WIDTH, LawInFlint
+from stickslip_sym.certificates.script import chosen
 from stickslip_sym.core.precision import working_precision
-from stickslip_sym.model import in_flint
-from stickslip_sym.model.in_flint import WIDTH, LawInFlint
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Undecided, flow
-from stickslip_sym.output.script import chosen, sections
+from stickslip_sym.output.sections import sections
 
 _GUARD = 32  # bits beyond those of the proof, whose boxes are a little narrower
 
 
-def certificate(
+def certificate_of_threshold(
     point: ExactPoint,
     ends: tuple[Fraction, Fraction],
     bits: int,

@@ -1,7 +1,7 @@
 """Closed forms as a script in plain SymPy that proves them, for readers who trust nothing of this package.
 
 The script is printed from the steps that were carried out, each with the theorem that proved it and the data by
-which its hypotheses were checked: nothing is sought here. Its functions are those of `certificate.txt`.
+which its hypotheses were checked: nothing is sought here. Its functions are those of `closed_forms.txt`.
 """
 
 import json
@@ -9,27 +9,25 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from textwrap import shorten
-from typing import TYPE_CHECKING
 
 import sympy as sp
 
+from stickslip_sym.certificates.python_printer import WIDTH, assignment, code, formatted, imports, line
+from stickslip_sym.certificates.script import SafeNames, chosen
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import FUNCTIONS, elementary, row
 from stickslip_sym.core.status import Status
 from stickslip_sym.formula.average import Average, Differentiated
+from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.formula.derivation import Step
 from stickslip_sym.formula.proof.algebra import Expansion, Generator
 from stickslip_sym.formula.proof.recurrence import AverageSeries, SeriesProof, moment_ratio
 from stickslip_sym.formula.proof.theorems import PieceByPiece, value_at
 from stickslip_sym.model.expression.pieces import places
 from stickslip_sym.output import printing
-from stickslip_sym.output.python_printer import WIDTH, assignment, code, formatted, imports, line
-from stickslip_sym.output.script import SafeNames, chosen, sections
-
-if TYPE_CHECKING:
-    from stickslip_sym.formula.closed_form import ClosedForm
+from stickslip_sym.output.sections import sections
 
 _OWN = """V N n v s theta mu law w K b c ratio equation functions roots q y total moment like at_rest far I O
 sp mpmath random Symbol Rational Pow pi cos sin sqrt asin"""
@@ -39,7 +37,7 @@ _PAGE = Path(__file__).with_suffix(".txt")  # its functions, which a script has 
 _KINDS = ("positive", "nonnegative", "real")
 
 
-def certificate(forms: "Sequence[ClosedForm]") -> str:
+def certificate_of_forms(forms: Sequence[ClosedForm]) -> str:
     """Return a script that proves closed forms one after another, and needs SymPy and mpmath only."""
     for form in forms:
         if form.domain:
@@ -58,7 +56,7 @@ def certificate(forms: "Sequence[ClosedForm]") -> str:
     return f"{_title(forms)}\n{imports(body)}\n\n{body}\n"
 
 
-def _title(forms: "Sequence[ClosedForm]") -> str:
+def _title(forms: Sequence[ClosedForm]) -> str:
     names = list(dict.fromkeys(map(_where, forms)))
     unproved = dict.fromkeys(printing.text(average.profile) for form in forms for average in _unproved(form))
     which = names[0] if len(names) == 1 else "some laws"
@@ -76,11 +74,11 @@ criterion averages the falling slope over the slip speeds V (1 + s) from 0 to 2 
 c = -N int_-1^1 w(s) mu'(V (1 + s)) ds. SymPy and mpmath suffice; an AssertionError names the step that fails."""
 
 
-def _where(form: "ClosedForm") -> str:
+def _where(form: ClosedForm) -> str:
     return " ".join(f"{form.law.name or form.law.text}, {form.criterion.name}".split())
 
 
-def _unproved(form: "ClosedForm") -> list[Average]:
+def _unproved(form: ClosedForm) -> list[Average]:
     averages = dict.fromkeys(average for _, average in form.averages)
     return [a for a in averages if any(step.verdict.status is not Status.PROVED for step in a.steps)]
 
@@ -88,7 +86,7 @@ def _unproved(form: "ClosedForm") -> list[Average]:
 class _Section:
     """What a script says of one closed form."""
 
-    def __init__(self, form: "ClosedForm") -> None:
+    def __init__(self, form: ClosedForm) -> None:
         self.form, self.criterion = form, form.criterion
         self.numbers = {average: str(i) for i, average in enumerate(dict.fromkeys(a for _, a in form.averages), 1)}
         used = form.law.expr.free_symbols

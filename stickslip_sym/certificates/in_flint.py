@@ -11,13 +11,14 @@ from pathlib import Path
 import sympy as sp
 from sympy.printing.str import StrPrinter
 
+from stickslip_sym.certificates.script import SafeNames
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.expression.pieces import places
-from stickslip_sym.output.script import SafeNames, sections
+from stickslip_sym.output.sections import sections
 
 WIDTH = 115  # of a line
 _VARIABLES = {symbols.v: "v", symbols.s: "s"}

@@ -7,22 +7,23 @@ from string import Template
 
 import sympy as sp
 
+from stickslip_sym.certificates import in_flint
+from stickslip_sym.certificates.in_flint import WIDTH, LawInFlint
+from stickslip_sym.certificates.script import imported
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.remedies import Call
 from stickslip_sym.criteria.at_rest import vanishing
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.model import in_flint
-from stickslip_sym.model.in_flint import WIDTH, LawInFlint
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.output import printing
-from stickslip_sym.output.script import imported, sections
+from stickslip_sym.output.sections import sections
 
 _GUARD = 64  # bits beyond those of the enclosure
 
 
-def certificate(
+def certificate_of_enclosure(
     law: FrictionLaw, criterion: Criterion, V: Rational, N: Rational, low: Fraction, high: Fraction, shown: str
 ) -> str:
     """Return the script that encloses a criterion between two numbers by itself; `shown` are its certain digits.

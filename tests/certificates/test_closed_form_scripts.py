@@ -14,7 +14,7 @@ import pytest
 from sweeps import sweep
 
 import stickslip_sym as ss
-from stickslip_sym.formula.certificate import certificate
+from stickslip_sym.certificates.closed_forms import certificate_of_forms
 
 ROOT = Path(__file__).parents[2]
 WITHOUT_THE_PACKAGE = "import runpy, sys; sys.modules['stickslip_sym'] = None; runpy.run_path(sys.argv[1])"
@@ -92,7 +92,7 @@ def test_a_certificate_proves_without_the_package(tmp_path):
     """Several laws one after another, formatted as the project formats."""
     forms = [ss.derive("exponential", "harmonic"), ss.derive("linear"), ss.derive("linear", "equilibrium")]
     path = tmp_path / "proof.py"
-    path.write_text(certificate(forms))
+    path.write_text(certificate_of_forms(forms))
     done = subprocess.run(
         [sys.executable, "-c", WITHOUT_THE_PACKAGE, str(path)], capture_output=True, text=True, check=False
     )
