@@ -79,8 +79,13 @@ def derived(
 ) -> list[ClosedForm | NoClosedForm]:
     """Return the closed form of each law and criterion, or why there is none."""
     forms: list[ClosedForm | NoClosedForm] = []
-    with under_way(f"closed forms, {seconds:.0f} s each at most"):
-        for law, criterion in steps(wanted, lambda pair: f"{pair[1].name} of {pair[0].name or 'the law'}"):
+
+    def what(pair: tuple[ss.FrictionLaw, ss.Criterion]) -> str:
+        law, criterion = pair
+        return f"{criterion.name} of {law.name or 'the law'}"
+
+    with under_way(f"closed forms, {seconds:.0f} s each at most"), steps(wanted, what) as pairs:
+        for law, criterion in pairs:
             try:
                 forms.append(ss.derive(law, criterion, time_limit=seconds))
             except NoClosedForm as error:

@@ -246,6 +246,7 @@ def compare(
     # What converges comes first: the errors of averages are taken from it.
     order = sorted(range(len(methods)), key=lambda i: not getattr(chosen[i], "converges", True))
     rows = [Row("")] * len(methods)
-    for i in steps(order, lambda _: "methods"):
-        rows[i] = measured(methods[i], partial(threshold, methods[i]), of_threshold)
+    with steps(order, lambda _: "methods") as numbers:
+        for i in numbers:
+            rows[i] = measured(methods[i], partial(threshold, methods[i]), of_threshold)
     return Comparison(law.name or "a law", tuple(rows), point)

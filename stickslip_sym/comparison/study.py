@@ -499,16 +499,17 @@ class _Subject:
 def _computed(subject: _Subject) -> tuple[dict[str, Any], dict[str, str]]:
     """Return every part by its attribute, None for one that was refused, and the reasons by their names."""
     parts, refused = dict[str, Any](), dict[str, str]()
-    for attribute in steps(_PARTS, lambda attribute: _PARTS[attribute][0]):
-        what, compute = _PARTS[attribute]
-        if attribute in _LIMITED_WITHIN:
-            parts[attribute] = compute(subject)
-            continue
-        try:
-            with limited(subject.seconds):
+    with steps(_PARTS, lambda attribute: _PARTS[attribute][0]) as attributes:
+        for attribute in attributes:
+            what, compute = _PARTS[attribute]
+            if attribute in _LIMITED_WITHIN:
                 parts[attribute] = compute(subject)
-        except StickSlipError as error:
-            parts[attribute], refused[what] = None, str(error)
+                continue
+            try:
+                with limited(subject.seconds):
+                    parts[attribute] = compute(subject)
+            except StickSlipError as error:
+                parts[attribute], refused[what] = None, str(error)
     return parts, refused
 
 

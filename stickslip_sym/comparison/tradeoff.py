@@ -249,8 +249,8 @@ def tradeoff(
         "basin": lambda: _basin(law, numbers, damping),
     }
     kept, errors = dict[str, Trade](), dict[str, StickSlipError]()
-    with deadline.time_limit(time_limit):
-        for kind in steps(kinds, str):
+    with deadline.time_limit(time_limit), steps(kinds, str) as each_kind:
+        for kind in each_kind:
             try:
                 kept[kind] = trades[kind]()
             except StickSlipError as error:

@@ -45,15 +45,24 @@ def stages() -> Iterator[Callable[[str, int, int], None]]:
         _path.set(outer)
 
 
-def steps(items: Collection[T], what: Callable[[T], str]) -> Iterator[T]:
-    """Yield items, each while it is under way, by the words that it has."""
+@contextmanager
+def steps(items: Collection[T], what: Callable[[T], str]) -> Iterator[Iterator[T]]:
+    """Yield an iterator over items, each of which is under way, by the words that it has, until the next is taken.
+
+    What is under way ends with the block: a loop that an error leaves does not end its iterator, which stays
+    suspended as long as somebody keeps the error.
+    """
     with stages() as say:
-        words = ""
-        for done, item in enumerate(items):
-            words = what(item)
-            say(words, done, len(items))
-            yield item
-        say(words, len(items), len(items))
+
+        def said() -> Iterator[T]:
+            words = ""
+            for done, item in enumerate(items):
+                words = what(item)
+                say(words, done, len(items))
+                yield item
+            say(words, len(items), len(items))
+
+        yield said()
 
 
 @contextmanager

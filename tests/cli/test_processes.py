@@ -92,8 +92,8 @@ def test_what_is_under_way_is_shown_in_a_terminal_only(terminal, monkeypatch):
     stream.is_one = terminal
     monkeypatch.setattr("sys.stderr", stream)
     monkeypatch.setenv("TERM", "xterm")
-    with under_way("study"):
-        for _ in steps(range(3), lambda i: f"the plane [of] {i}"):
+    with under_way("study"), steps(range(3), lambda i: f"the plane [of] {i}") as numbers:
+        for _ in numbers:
             pass
     assert ("study: the plane [of] 2 (3 of 3)" in stream.getvalue()) == terminal
     assert terminal or stream.getvalue() == ""

@@ -109,8 +109,8 @@ def fit(
     else:
         measured = Measurements.of(v, mu, sigma)
     chosen, fits, rejected = _laws(laws), list[Fit](), dict[str, InputError]()
-    with counted_by(progress):
-        for name in steps(chosen, str):
+    with counted_by(progress), steps(chosen, str) as names:
+        for name in names:
             try:
                 fits.append(_fit_law(chosen[name], measured))
             except InputError as error:

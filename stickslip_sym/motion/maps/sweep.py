@@ -190,8 +190,8 @@ def basin_sweep(
 
     values = axis.values.tolist()
     with deadline.time_limit(time_limit):
-        with counted_by(progress):
-            shares = [shares_by_area(at(value), *box) for value in steps(values, f"{axis.name} = {{:.4g}}".format)]
+        with counted_by(progress), steps(values, f"{axis.name} = {{:.4g}}".format) as each:
+            shares = [shares_by_area(at(value), *box) for value in each]
         folds, unresolved = _folds(at, values[0], values[-1], axis.name == "c")
         changes = [*_critical(at(values[0]).law, at(values[0]).oscillator, axis), *folds]
     present = [motion for motion in Motion if any(motion in share for share in shares)]

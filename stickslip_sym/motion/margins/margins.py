@@ -226,26 +226,27 @@ def margins_of(
     law, rows, refused, open_ = threshold.points.law, list[Margin](), dict[str, str](), {}
     quantities = asdict(osc)
     values = quantities | {name: float(value) for name, value in law.values.items()}
-    for name in steps([name for name, value in values.items() if value], "margins of {}".format):
-        value = values[name]
-        others = {key: number for key, number in quantities.items() if key != name}
-        within = sorted((value / reach, value * reach))
-        try:
-            with deadline.time_limit(each):
-                criticals = (
-                    critical_damping(threshold)
-                    if name == "c"
-                    else critical(law, name, **others, method=method, rtol=rtol, within=within)
-                )
-        except StickSlipError as error:
-            deadline.check_time()  # raises if it was the limit on all of them
-            refused[name] = f"not found within {each} s" if isinstance(error, OutOfTime) else str(error)
-            continue
-        below = [end for end in criticals if end.value <= value]
-        above = criticals[len(below) :]
-        if criticals.unresolved:
-            open_[name] = criticals.unresolved
-        rows.append(Margin(name, value, below[-1] if below else None, above[0] if above else None))
+    with steps([name for name, value in values.items() if value], "margins of {}".format) as names:
+        for name in names:
+            value = values[name]
+            others = {key: number for key, number in quantities.items() if key != name}
+            within = sorted((value / reach, value * reach))
+            try:
+                with deadline.time_limit(each):
+                    criticals = (
+                        critical_damping(threshold)
+                        if name == "c"
+                        else critical(law, name, **others, method=method, rtol=rtol, within=within)
+                    )
+            except StickSlipError as error:
+                deadline.check_time()  # raises if it was the limit on all of them
+                refused[name] = f"not found within {each} s" if isinstance(error, OutOfTime) else str(error)
+                continue
+            below = [end for end in criticals if end.value <= value]
+            above = criticals[len(below) :]
+            if criticals.unresolved:
+                open_[name] = criticals.unresolved
+            rows.append(Margin(name, value, below[-1] if below else None, above[0] if above else None))
     probability, sampled = _probabilities(threshold, osc.c, c, samples)
     sticks = None
     if osc.c < threshold.value and threshold.points.has_oscillator:

@@ -416,11 +416,12 @@ def _each(points: OperatingPoints, compute: Callable[[int], tuple[float, float]]
     """Return values and errors, or refusals, row by row."""
     columns = np.full((2, len(points)), [[np.nan], [np.inf]])
     refusals: dict[int, StickSlipError] = {}
-    for row in steps(range(len(points)), points.label):
-        try:
-            columns[:, row] = compute(row)
-        except NO_RESULT as refusal:
-            refusals[row] = refusal
+    with steps(range(len(points)), points.label) as rows:
+        for row in rows:
+            try:
+                columns[:, row] = compute(row)
+            except NO_RESULT as refusal:
+                refusals[row] = refusal
     return Computed(columns[0], columns[1], refusals)
 
 
