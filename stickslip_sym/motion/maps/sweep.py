@@ -20,7 +20,6 @@ from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import NO_RESULT, InputError
 from stickslip_sym.core.progress import counted_by, steps
-from stickslip_sym.core.resolved import NODES, Piece, Resolved, Turn, fitted, joined
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
@@ -33,6 +32,9 @@ from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.damping import needed_damping
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.regimes.regime import Regime, kept_regime
+from stickslip_sym.numerics.known import Column
+from stickslip_sym.numerics.resolved import NO_VALUE, NODES, Piece, Resolved, Turn, fitted, nodes
+from stickslip_sym.numerics.subdivide import Accept, joined
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -241,7 +243,7 @@ def _folds(
     if over_damping:
         need, unit = needed_damping(at(low).law, at(low).oscillator), at(low).oscillator.impedance
         folds = [Change("fold", turn.value * unit, turn.error * unit) for turn in need.turns[1:-1]]
-        missed = [(low, high)] if need.resolved.unresolved else []
+        missed = [(low, high)] if need.resolved.open else []
         return [fold for fold in folds if low <= fold.value <= high], missed
 
     @cache
@@ -250,7 +252,7 @@ def _folds(
         try:
             osc = at(value).oscillator
             need = needed_damping(at(value).law, osc)
-            known = not need.resolved.unresolved
+            known = not need.resolved.open
         except NO_RESULT:
             return []
         unit = osc.impedance
@@ -259,8 +261,9 @@ def _folds(
     folds, unresolved, left, ranges = list[Change](), list[tuple[float, float]](), _MOST_VALUES, [(low, high)]
     while ranges:
         first, last = ranges.pop()
-        left -= NODES.size
-        rows = [excess(x) for x in ((first + last + (last - first) * NODES) / 2).tolist()] if left >= 0 else [[]]
+        left -= NODES
+        values = nodes(np.array([first]), np.array([last])).ravel()
+        rows = [excess(x) for x in values.tolist()] if left >= 0 else [[]]
         if (branches := _branches(first, last, rows)) is not None:
             folds += [fold for piece in branches for fold in _crossings(piece)]
         elif not all(rows) or not _passed_by(rows):
@@ -280,10 +283,10 @@ def _branches(low: float, high: float, rows: list[list[Turn]]) -> list[Piece] | 
     pieces = list[Piece]()
     for branch in zip(*(turns[1:-1] for turns in rows), strict=True):
         values, errors = (np.array(column) for column in list(zip(*branch, strict=True))[1:])
-        piece = fitted(low, high, values, errors, _RTOL)
-        if piece is None:
+        decision = fitted(low, high, Column.of(values, errors, NO_VALUE), _RTOL)
+        if not isinstance(decision, Accept):
             return None
-        pieces.append(piece)
+        pieces.append(decision.payload)
     return pieces
 
 

@@ -23,7 +23,6 @@ from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged
 from stickslip_sym.core.numbers import SAME, lookup, read_array, read_rtol, real
 from stickslip_sym.core.remedies import Argument
-from stickslip_sym.core.resolved import Root, Sampled, joined, nodes, resolve
 from stickslip_sym.core.units import in_si
 from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.criteria.enclosure import Enclosure
@@ -39,6 +38,9 @@ from stickslip_sym.motion.thresholds.methods import Method, accuracy, ask, find_
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, of_oscillator
 from stickslip_sym.motion.thresholds.theorem import Search, checked_hypotheses
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
+from stickslip_sym.numerics.known import Column, Unknown
+from stickslip_sym.numerics.resolved import Root, Sampled, nodes, resolve
+from stickslip_sym.numerics.subdivide import joined
 from stickslip_sym.output import markup
 
 _WHOLE = (1e-12, 1e12)  # belt speeds in m/s that are looked at
@@ -57,6 +59,7 @@ _DISTANT = 1e-3  # of its distance from c, error of a threshold that suffices,
 _ROUGH = 1e-3  # or of itself
 _MOST, _MOST_AVERAGES = 400, 4000  # values that may be computed
 _EDGE = 3e-3  # relative distance within which it is said where thresholds end
+_NONE = Unknown("there is no threshold")
 _WIDER = 8.0  # times, by which the bracket about a root grows
 _FINER = 1e-3  # of rtol, the relative error of a threshold at a root
 _NEAR = 1e-2  # of the distance to where a threshold turns, a step of Newton's method that is a small one
@@ -461,13 +464,13 @@ class _Search:
         def quantity(u: FloatArray | float) -> FloatArray:
             return np.clip(sign * np.exp(sign * np.asarray(u)) if sign else u, edges[0], edges[-1])
 
-        def value(u: FloatArray) -> tuple[FloatArray, FloatArray]:
+        def value(u: FloatArray) -> Column:
             value, error = self.thresholds(quantity(u), sketch=False)
-            return value - self.c, error
+            return Column.of(value - self.c, error, _NONE)
 
-        def sketch(u: FloatArray) -> tuple[FloatArray, FloatArray]:
+        def sketch(u: FloatArray) -> Column:
             value, error = self.thresholds(quantity(u), sketch=True)
-            return value - self.c, error
+            return Column.of(value - self.c, error, _NONE)
 
         def off(u: float) -> float:
             x = float(quantity(u))
@@ -500,9 +503,9 @@ class _Search:
                 results.append(self._result(float(quantity(polished))))
         open_ends = [
             *((part[0], part[-1]) for part in missing),
-            *(ends for stretch in resolved for ends in stretch.unresolved),
+            *(one[:2] for stretch in resolved for one in stretch.open),
         ]
-        unresolved = [quantity(np.array(ends)).tolist() for ends in joined(sorted(open_ends))]
+        unresolved = [quantity(np.array(ends)).tolist() for ends in joined(open_ends)]
         return results, [(low, high) for low, high in unresolved]
 
     def _stretches(self, value: Sampled, arguments: list[float]) -> list[list[list[float]]]:
@@ -512,15 +515,13 @@ class _Search:
         """
         low, high = np.array(arguments[:-1]), np.array(arguments[1:])
         u = nodes(low, high).ravel()
-        missing = np.isnan(value(u)[0])
+        missing = ~value(u).known
         ends = [arguments[0]]
         for i in np.flatnonzero(missing[:-1] != missing[1:]).tolist():
             inside, outside = (u[i], u[i + 1]) if missing[i + 1] else (u[i + 1], u[i])
             while abs(outside - inside) > _EDGE * max(1.0, abs(inside)):
                 middle = (inside + outside) / 2
-                inside, outside = (
-                    (inside, middle) if np.isnan(value(np.array([middle]))[0][0]) else (middle, outside)
-                )
+                inside, outside = (middle, outside) if value(np.array([middle])).known[0] else (inside, middle)
             ends += sorted((float(inside), float(outside)))
         ends.append(arguments[-1])
         parts = [[a, *(x for x in arguments if a < x < b), b] for a, b in pairwise(ends) if a < b]

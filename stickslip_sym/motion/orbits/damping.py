@@ -21,7 +21,6 @@ from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.remedies import Call
-from stickslip_sym.core.resolved import Resolved, Turn, resolve
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import FrictionTable
@@ -38,6 +37,8 @@ from stickslip_sym.motion.orbits.needed import (
 from stickslip_sym.motion.roots import NEAREST
 from stickslip_sym.motion.simulation.cycle import first_minimum
 from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.numerics.known import Column, Unknown
+from stickslip_sym.numerics.resolved import Resolved, Turn, resolve
 
 _RTOL = 1e-9  # of d, that its polynomials may leave out
 _MOST = 2000  # orbits, to resolve it
@@ -50,6 +51,7 @@ _NARROWER = 0.6  # and than the pieces beside it
 _SAME, _CLOSE = 1e-9, 1e-13  # amplitudes that are one, and the error of one at which d breaks
 _SLIGHT, _LARGE = 0.5, 0.9  # damping ratio that a jump of mu at V may ask for, and amplitude above all such
 _ROUNDS = 200  # of a motion, to see whether it goes through a range of amplitudes
+_LOST = Unknown("an orbit takes too many steps")
 
 
 @dataclass(frozen=True)
@@ -139,8 +141,8 @@ class NeededDamping:
         found: FloatArray = np.where(below, high - (high - low) * (1 - part) ** 2, low + (high - low) * part**2)
         return found
 
-    def _values(self, A: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return d and its errors.
+    def _values(self, A: FloatArray) -> Column:
+        """Return d.
 
         It is infinite where no damping is enough, or none too little. Where less lets an orbit leave the speeds
         that were measured it is the damping at which that begins.
@@ -152,7 +154,7 @@ class NeededDamping:
         bounded = end == End.OUTSIDE
         cases = [end == End.CLOSED, bounded, end == End.NEVER]
         values = np.select(cases, [2 * zeta, 2 * zeta, np.copysign(np.inf, zeta)], np.nan)
-        return values, np.select(cases[:2], [2 * error, 2 * (high - low)], 0.0)
+        return Column.of(values, np.select(cases[:2], [2 * error, 2 * (high - low)], 0.0), _LOST)
 
     def _reaching(self, w: float, low: float) -> float:
         """Return the amplitude, above one, at which orbits come to a highest slip speed over V."""
@@ -165,8 +167,8 @@ class NeededDamping:
     def _highest(self, A: float) -> float:
         """Return the highest slip speed of an orbit, over V; infinite where it is not known."""
         system = self.system
-        (damping,), _ = self._values(np.array([A]))
-        if not math.isfinite(damping):
+        damping = self._values(np.array([A])).at(0)
+        if isinstance(damping, Unknown) or math.isinf(damping):
             return math.inf
         rows, column = np.empty((1, 1)), np.ones(1)
         self._spread(highest_all, (system.eta * column, damping / 2 * column, A * column), TIGHT, rows)

@@ -31,15 +31,18 @@ from scipy.special import comb
 
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.deadline import check_time
-from stickslip_sym.core.resolved import resolve
 from stickslip_sym.model.table import FrictionTable
 from stickslip_sym.motion.kernel.data import ADDED, PRECISE
 from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.numerics.known import Column, Unknown
+from stickslip_sym.numerics.resolved import resolve
+from stickslip_sym.numerics.subdivide import joined
 
 _NEAREST, _BESIDE = 1e-12, 1e-9  # over the reach, and over a displacement: where a round that sticks is sought
 _FARTHEST = 1e6  # displacement up to which cycles are sought where there is no reach
 _MOST = 4000  # rounds whose growth is computed
 _INSIDE = 0.9  # of R(0): all rounds grow up to there
+_LOST = Unknown("a round takes too many steps")
 
 _DEGREE = 14  # of the polynomials of a law
 _POWERS = np.arange(_DEGREE + 1)
@@ -136,11 +139,11 @@ def rounds_outside(system: Dimensionless, rtol: float) -> Rounds:
         check_time()
         return np.where(np.isnan(R), 0.0, np.where(R < 0, math.nan, R))
 
-    def growth(x: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def growth(x: FloatArray) -> Column:
         q = np.exp(x)
         R = ends(q)
         with np.errstate(invalid="ignore"):
-            return np.where(np.isinf(R), R, (R - q) / (R + q)), np.full(x.shape, ADDED * rtol)
+            return Column.of(np.where(np.isinf(R), R, (R - q) / (R + q)), ADDED * rtol, _LOST)
 
     bound = float(reaches(system, np.array([system.eta]), np.array([system.zeta]))[0])
     if bound <= 0:
@@ -171,14 +174,15 @@ def rounds_outside(system: Dimensionless, rtol: float) -> Rounds:
         if low >= far:
             return Rounds(tuple(inner), (-1, *[1] * len(inner)))
     growths = resolve(growth, [math.log(low), math.log(far)], rtol=ADDED * rtol, most=_MOST)
-    for begin, end in np.exp(growths.unresolved).tolist():
+    for begin, end in np.exp(joined(one[:2] for one in growths.open)).tolist():
         R = ends(np.array([begin, end]))
         if not (R[1] <= begin or R[0] >= end):
             marks.append(Mark(begin, end, "open"))
     folds = [math.exp(turn.x) for turn in growths.turns[1:-1] if abs(turn.value) <= turn.error]
     marks += [Mark(q, q, "open") for q in folds]  # two cycles, or none
     for root in growths.roots():
-        kind: Kind = "cycle" if abs(growths(root.x)) <= ADDED * rtol else "jump"
+        off, before, after = (abs(growths(x)) > ADDED * rtol for x in root)
+        kind: Kind = "jump" if off else "cycle" if before and after else "open"  # within errors
         marks.append(Mark(math.exp(root.x), math.exp(root.x), kind))
     marks.sort()
     begins, lasts = [low, *(mark.high for mark in marks)], [*(mark.low for mark in marks), far]

@@ -6,13 +6,21 @@ import numpy as np
 import pytest
 from sweeps import sweep
 
-from stickslip_sym.core.resolved import resolve
+from stickslip_sym.numerics.known import Column, Unknown
+from stickslip_sym.numerics.resolved import NO_VALUE, resolve
+from stickslip_sym.numerics.subdivide import WORK
 
 RTOL, MOST, NOISE = 1e-12, 4000, 1e-15
+LOST = Unknown("lost")
+
+
+def sampled(values, noise):
+    errors = np.where(np.isfinite(values), noise * np.abs(values), 0.0)
+    return Column.of(values, errors, LOST)
 
 
 def resolved(function, edges, most=MOST):
-    return resolve(lambda x: (function(x), NOISE * np.abs(function(x))), edges, rtol=RTOL, most=most)
+    return resolve(lambda x: sampled(function(x), NOISE), edges, rtol=RTOL, most=most)
 
 
 @sweep("seed", range(40), 0, 1, 2, 3)
@@ -24,7 +32,7 @@ def test_roots_and_extrema_are_those_by_construction(seed):
     wave = rng.uniform(20, 60)
     zeros = np.sort([*roots[(roots > 1e-3) & (roots < 1)], *np.arange(math.pi / wave, 1, math.pi / wave)])
     found = resolved(lambda x: np.sin(wave * x) * np.prod([x - root for root in roots], axis=0), [1e-3, 1])
-    assert found.unresolved == ()
+    assert found.open == ()
     assert [root.x for root in found.roots()] == pytest.approx(zeros, abs=1e-6)
     places = np.searchsorted(zeros, [turn.x for turn in found.turns])
     assert (np.diff(places) <= 1).all()  # an extremum, at least, between two zeros
@@ -47,14 +55,14 @@ def test_rough_values_hide_no_roots(seed):
 
         def rough(x, function=function):
             value, error = function(x), 1e-3 * np.abs(function(x))
-            return value + rng.uniform(-1, 1, x.size) * error / 4, error
+            return Column.of(value + rng.uniform(-1, 1, x.size) * error / 4, error, LOST)
 
         def close(x, function=function):
-            return function(x), NOISE * np.abs(function(x))
+            return sampled(function(x), NOISE)
 
         found = resolve(close, [0.0, 1.0], rtol=1e-8, most=40_000, sketch=rough)
         signs = function(np.linspace(0, 1, 200_001)[1:-1]) > 0
-        assert found.unresolved == ()
+        assert found.open == ()
         assert len(found.roots()) == np.count_nonzero(np.diff(signs))
 
 
@@ -62,13 +70,14 @@ def test_a_jump_a_kink_and_a_stretch_without_value():
     for edges in ([0, 1], [0, 0.3, 0.6, 1]):  # not known, and known
         jump = resolved(lambda x: np.where(x < 0.3, x - 1, 2 - x), edges)
         (root,) = jump.roots()
-        assert (root.x, jump.unresolved) == (pytest.approx(0.3, abs=1e-10), ())
+        assert (root.x, jump.open) == (pytest.approx(0.3, abs=1e-10), ())
         kink = resolved(lambda x: np.abs(x - 0.6) + x / 2, edges)
         assert [turn.x for turn in kink.turns][1] == pytest.approx(0.6, abs=1e-9)
     beyond = resolved(lambda x: np.where(x < 0.4, x, math.inf), [0, 1])
     assert [root.x for root in beyond.roots(0.7)] == pytest.approx([0.4], abs=1e-10)
-    ((low, high),) = resolved(lambda x: np.where((x > 0.4) & (x < 0.7), math.nan, x), [0, 1]).unresolved
-    assert (low, high) == (pytest.approx(0.4, abs=1e-10), pytest.approx(0.7, abs=1e-10))
+    stretches = resolved(lambda x: np.where((x > 0.4) & (x < 0.7), math.nan, x), [0, 1]).open
+    assert {one.why for one in stretches} == {NO_VALUE}
+    assert (stretches[0].low, stretches[-1].high) == (pytest.approx(0.4, abs=1e-10), pytest.approx(0.7, abs=1e-10))
 
 
 def test_what_the_budget_leaves_open_is_listed():
@@ -78,7 +87,29 @@ def test_what_the_budget_leaves_open_is_listed():
         return 1 + np.where(x > 0.5, 2 * np.sin(500 * (x - 0.5)), 0.0)
 
     few, many = (resolved(wave, [0, 0.5, 1], most) for most in (400, 20_000))
-    assert few.unresolved == ((0.5, 1.0),)
-    assert (few.roots(), many.unresolved) == ([], ())
+    assert few.open_at(1.0) == [(0.5, 1.0)]
+    assert {one.why for one in few.open} == {WORK}
+    assert (few.roots(), many.open) == ([], ())
+    assert few.open_at(100.0) == []  # far beyond all samples
     sign = np.sign(wave(np.linspace(0, 1, 100_001)))
     assert len(many.roots()) == np.count_nonzero(np.diff(sign))
+
+
+@sweep("seed", range(40), 0, 1)
+def test_weak_noise_hides_a_level_beside_an_extremum_and_no_other(seed):
+    """Values with errors of 1e-4 of what they range over, which were to be 1e-12."""
+    rng = np.random.default_rng(seed)
+    place, height = rng.uniform(0.3, 0.7), rng.uniform(1, 3)
+
+    def parabola(x):
+        return height * (1 - (x - place) ** 2)
+
+    noise = 1e-4
+    found = resolve(lambda x: sampled(parabola(x), noise), [0.0, 1.0], rtol=RTOL, most=MOST)
+    for level in rng.uniform(parabola(np.array([0.0, 1.0])).max(), height * (1 - 100 * noise), 5):
+        assert found.open_at(level) == []
+        assert len(found.roots(level)) == 2
+    assert found.open_at(height * (1 + noise / 2)) == found.open_at(height * (1 - noise / 2)) != []
+    assert found.open_at(height * (1 + 100 * noise)) == []
+    rough = resolve(lambda x: sampled(parabola(x), 0.1), [0.0, 1.0], rtol=RTOL, most=MOST)
+    assert rough.open_at(height * (1 - place**2 / 2)) != []

@@ -1,0 +1,1 @@
+"""What searches for numbers stand on: what is not known, Chebyshev polynomials, intervals that are divided."""
