@@ -4,6 +4,7 @@
 """
 
 from stickslip_sym.comparison.compare import Comparison, Row
+from stickslip_sym.comparison.decision import Decision
 from stickslip_sym.comparison.study import Study
 from stickslip_sym.comparison.tradeoff import Trade, Tradeoff
 from stickslip_sym.criteria.enclosure import EnclosedCriterion, Enclosure
@@ -14,7 +15,8 @@ from stickslip_sym.formula.limits import Limits
 from stickslip_sym.formula.proof.proving import Verdict
 from stickslip_sym.formula.slope_average import SlopeAverage
 from stickslip_sym.model.bound import BoundLaw
-from stickslip_sym.model.fitting.result import Averaged, ByLaw, Fit, Fits
+from stickslip_sym.model.fitting.averaged import Averaged, ByLaw
+from stickslip_sym.model.fitting.result import Fit, Fits
 from stickslip_sym.model.laws import Catalogue
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.motion.maps.basins import BasinMap, Share
@@ -48,6 +50,7 @@ __all__ = [
     "Comparison",
     "Critical",
     "CriticalValues",
+    "Decision",
     "Derivation",
     "EnclosedCriterion",
     "Enclosure",

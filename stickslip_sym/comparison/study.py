@@ -6,7 +6,7 @@ import math
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,6 +16,7 @@ import numpy as np
 import sympy as sp
 
 from stickslip_sym.comparison.compare import Row, compare
+from stickslip_sym.comparison.decision import Decision, chance_in_words, rounded
 from stickslip_sym.comparison.plane import ABOVE, BAND, Plane, draw_plane, plane
 from stickslip_sym.core import symbols
 from stickslip_sym.core.deadline import require_seconds
@@ -25,10 +26,10 @@ from stickslip_sym.core.numbers import require_type
 from stickslip_sym.core.progress import Step, heard_by, steps
 from stickslip_sym.core.symbols import QUANTITIES
 from stickslip_sym.core.uncertain import UFloat
-from stickslip_sym.core.uncertain import with_error as text_with_error
 from stickslip_sym.criteria.criterion import catalogue
 from stickslip_sym.formula.closed_form import ClosedForm, derive
-from stickslip_sym.model.fitting.result import Averaged, Fit, Fits, band, draw_law
+from stickslip_sym.model.fitting.averaged import Averaged
+from stickslip_sym.model.fitting.result import Fit, Fits, band, draw_law
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.measured.measurements import Measurements
@@ -58,8 +59,6 @@ _SAMPLES = 200  # for the probability, where a threshold takes less than a milli
 
 _REACH = 3.0
 """Times a value, and its inverse: where margins are sought; no decision turns on those beyond."""
-_LEAST = 0.001
-"""A probability below it is shown as no more than that."""
 _DERIVATIVES = "derivatives of the threshold"
 _TEMPLATE = Path(__file__).with_name("study.html")
 _WIDEST = 260  # characters of a formula as text, up to which it fits a sheet when it is set
@@ -97,7 +96,7 @@ class Study:
     nonlinearity : float or None
         The standard error of the threshold to second order over that to first.
     choice : Averaged or None
-        The threshold by every law that fits the measurements, and its average, where more than one fits.
+        The threshold by every law that fits the measurements, and its average; None where none was fitted.
     forms : mapping of str to ClosedForm or str
         Closed forms by criterion, or why there is none.
     regime, motion, plane, margins
@@ -116,7 +115,7 @@ class Study:
 
     reported = (
         "warnings", "headline", "verdict", "regime", "answers", "choice", "probability", "margins", "forms",
-        "fit", "refused", "defaults", "seconds",
+        "fit", "refused", "defaults", "seconds", "decision",
     )  # fmt: skip
 
     title: str
@@ -146,14 +145,36 @@ class Study:
         """Which standard error brings how much of the threshold's; None where none does, or it was not found."""
         return None if self.threshold is None or self.sensitivity is None else self.threshold.budget
 
+    @cached_property
+    def decision(self) -> Decision | None:
+        """Whether c is below the threshold, and how sure that is; None where there is no threshold.
+
+        The headline, the page, the text and JSON take what they say from it.
+        """
+        c, c_error = self.oscillator.c, self.standard_error("c") or 0.0
+        if self.choice is not None:
+            return Decision.of_measured(c, c_error, self.choice)
+        if self.threshold is None or self.fit is not None:
+            return None
+        error = 0.0 if self.budget is None else float(self.budget.uncertainty)
+        return Decision(c, c_error, float(self.threshold.value), error, self._chance_of_values)
+
+    @property
+    def _chance_of_values(self) -> float | None:
+        """The probability that c is below the threshold of a law whose values carry standard errors."""
+        if self.margins is None:
+            return None
+        sampled = self.margins.sampled
+        if sampled is None or math.isnan(sampled.probability):
+            return self.margins.probability
+        return sampled.probability
+
     @property
     def needed(self) -> tuple[float, float | None] | None:
         """The pure-slip damping and its standard error: averaged over laws, if more than one fits."""
-        if self.choice is not None:
-            return self.choice.value, self.choice.standard_error
-        if self.threshold is None:
+        if self.decision is None:
             return None
-        return float(self.threshold.value), None if self.budget is None else float(self.budget.uncertainty)
+        return self.decision.value, self.decision.standard_error or None
 
     @property
     def nearest(self) -> Margin | None:
@@ -163,20 +184,24 @@ class Study:
 
     @property
     def probability(self) -> float | None:
-        """The probability that c is below the threshold; averaged if several laws fit."""
-        if self.choice is not None:
-            return self.choice.above(self.oscillator.c, self.standard_error("c") or 0.0)
-        if self.margins is None:
-            return None
-        sampled = self.margins.sampled
-        if sampled is None or math.isnan(sampled.probability):
-            return self.margins.probability
-        return sampled.probability
+        """The probability that c is below the threshold; None where that is not known, or nothing is uncertain."""
+        return None if self.decision is None else self.decision.probability
 
     @property
-    def _decision(self) -> str:
+    def _contradicted(self) -> bool:
+        """Whether the motions are those of a law whose threshold is on the other side of c than the decision's."""
+        if self.decision is None or self.threshold is None or self.fit is None:
+            return False
+        return self.decision.below != bool(self.oscillator.c < self.threshold.value)
+
+    @property
+    def _decision_in_words(self) -> str:
         """What the motions come to: without bound first, then stick-slip."""
         motions = self.regime
+        if self.fit is not None and (self.decision is None or self.decision.below is None):
+            return "Whether there is stick-slip is not decided by these measurements"
+        if self.decision is not None and self._contradicted:
+            return "Stick-slip is possible" if self.decision.below else "There is no stick-slip"
         if motions is None:
             return "Whether there is stick-slip was not found"
         if motions.unbounded:
@@ -197,6 +222,8 @@ class Study:
     def state(self) -> Literal["sticks", "either", "rests"]:
         """How the decision is coloured; vibration beyond the belt's speed counts as stick-slip."""
         motions = self.regime
+        if self._contradicted:
+            return "rests" if self.decision is not None and self.decision.below is False else "either"
         if motions is None or motions.coexist or motions.undecided:
             return "either"
         if motions.stick_slip or motions.unbounded or any(cycle.stable for cycle in motions.overtaking):
@@ -206,27 +233,10 @@ class Study:
     @property
     def headline(self) -> str:
         """The decision: whether there is stick-slip, and how far the damping is from the threshold."""
-        c, own, chance = self.oscillator.c, self.standard_error("c") or 0.0, self.probability
-        words = self._decision
-        if self.needed is None:
+        words = self._decision_in_words
+        if self.decision is None:
             return f"{words}, and no threshold was found to compare c with."
-        (value, error), far, remarks = self.needed, "", list[str]()
-        if value > 0:
-            apart = 100 * abs(c / value - 1)
-            far = f"{apart:{'.0f' if apart >= 10 else '.2g'}} % "
-        else:
-            remarks.append("no damping is needed")
-        if (spread := math.hypot(error or 0.0, own)) > 0:
-            remarks.append(f"{abs(c - value) / spread:.2g} standard errors")
-        if chance is not None:
-            sure = f"< {_LEAST:g}" if chance < _LEAST else f"> {1 - _LEAST:g}"
-            shown = sure if min(chance, 1 - chance) < _LEAST else f"= {chance:.2g}"
-            remarks.append(f"P {shown} that c is below it")
-        side = "below" if c < value else "above"
-        averaged = f", averaged over {len(self.choice.rows)} laws" if self.choice is not None else ""
-        more = f" ({', '.join(remarks)})" if remarks else ""
-        threshold = f"the threshold of {_rounded(value, error)} kg/s"
-        return f"{words}: c = {_rounded(c, own)} kg/s is {far}{side} {threshold}{averaged}{more}."
+        return f"{words}: {self.decision.statement}."
 
     @property
     def verdict(self) -> str:
@@ -247,10 +257,11 @@ class Study:
         """What the study says, in sentences: the decision, the attractors, the threshold, the nearest change."""
         sentences = [self.headline, self.verdict]
         if self.threshold is not None:
-            sentences.append(f"The pure-slip damping is {self.threshold}.")
-        if self.choice is not None:
+            by = f" by {self.fit.name}" if self.fit is not None else ""
+            sentences.append(f"The pure-slip damping{by} is {self.threshold}.")
+        if self.choice is not None and len(self.choice.rows) > 1:
             laws = [
-                f"{_rounded(row.value, row.standard_error)} kg/s by {row.law} (weight {row.weight:.2g})"
+                f"{rounded(row.value, row.standard_error)} kg/s by {row.law} (weight {row.weight:.2g})"
                 for row in self.choice.rows
             ]
             sentences.append(f"It is {', '.join(laws)}.")
@@ -306,7 +317,7 @@ class Study:
             digits=_digits,
             duration=duration,
             reach=_REACH,
-            least=_LEAST,
+            chance=_chance,
             derivatives=_DERIVATIVES,
             figures=list(pictures(self)),
             remarks=self._remarks,
@@ -354,8 +365,9 @@ class Study:
         return markup.block(*str(self).splitlines(), markup.table(["method", "c in kg/s"], answers))
 
 
-def _rounded(value: float, error: float | None) -> str:
-    return text_with_error(value, error) if error else f"{value:.4g}"
+def _chance(chance: float, least: float) -> Markup:
+    """Return a probability as it is shown everywhere, with all its digits beside."""
+    return element("data", chance_in_words(chance, least), value=repr(float(chance)))
 
 
 def _digits(threshold: Threshold) -> int:
@@ -440,7 +452,8 @@ def study(
     friction.require_speed(osc.V)
     limit = require_seconds(time_limit)
     seconds = _EACH if limit is None else limit
-    subject = _Subject(friction, osc, carried, law if isinstance(law, Fits) else None, seconds)
+    fits = Fits([law], law.measured, {}) if isinstance(law, Fit) else law if isinstance(law, Fits) else None
+    subject = _Subject(friction, osc, carried, fits, seconds)
     own = [] if fit is None else [text for text in (fit.extrapolation(osc.V), *fit.warnings) if text]
     with warnings.catch_warnings(record=True) as caught, heard_by(progress and _named_to(progress)):
         warnings.simplefilter("always")
@@ -551,14 +564,20 @@ def _thresholds_over_speed(subject: _Subject) -> Plane:
 
 
 def _margins(subject: _Subject) -> Margins:
+    """Return the margins, where laws were fitted without a probability: the choice of law has one of its own."""
     law, osc, carried = subject.law, subject.oscillator, subject.carried
+    quick = law.bound.obstacle(2 * osc.V) is None
     how: dict[str, Any] = {
-        "samples": _SAMPLES if law.bound.obstacle(2 * osc.V) is None else 0, "rtol": _LOOSE, "reach": _REACH,
+        "samples": _SAMPLES if quick and subject.fits is None else 0,
+        "rtol": _LOOSE,
+        "reach": _REACH,
         "each": subject.each,
-    }  # fmt: skip
+    }
     if subject.threshold is None:
-        return margins(law, osc, errors=carried, **how)
-    return margins_of(subject.threshold, osc, carried.get("c"), **how)
+        found = margins(law, osc, errors=carried, **how)
+    else:
+        found = margins_of(subject.threshold, osc, carried.get("c"), **how)
+    return found if subject.fits is None else replace(found, probability=None)
 
 
 def _sensitivity(subject: _Subject) -> Mapping[str, float] | None:
@@ -570,21 +589,22 @@ def _nonlinearity(subject: _Subject) -> float | None:
 
 
 def _choice(subject: _Subject) -> Averaged | None:
-    """Return the threshold averaged over the laws that fit, if more than one does."""
+    """Return the threshold by every law that fits, and its average."""
 
     def estimate(law: FrictionLaw) -> SimpleNamespace:
         shared = subject.threshold if law == subject.law else None
         threshold = shared or pure_slip_damping(law, **subject.point, rtol=_ROUGH, time_limit=subject.each)
         return SimpleNamespace(
-            value=threshold.value, uncertainty=threshold.budget and threshold.budget.uncertainty
+            value=threshold.value,
+            uncertainty=threshold.budget and threshold.budget.uncertainty,
+            budget=threshold.budget,
         )
 
     if subject.fits is None:
         return None
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", InputWarning)  # of laws that are not studied
-        averaged = subject.fits.average(estimate)
-    return averaged if len(averaged.rows) > 1 else None
+        return subject.fits.average(estimate)
 
 
 _PARTS: dict[str, tuple[str, Callable[[_Subject], Any]]] = {

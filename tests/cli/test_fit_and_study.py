@@ -68,7 +68,7 @@ def test_from_a_file_to_a_page(tmp_path, run):
     assert (code, err.splitlines()[0][:8]) == (0, "30 rows,")
     best = ss.fit(ss.read_measurements("disc.csv"), laws="linear").best
     exact = ss.pure_slip_damping(best.law.bind(**best.uncertain), V=0.4, N=9.81, m=1, k=100, method="orbit")
-    shown = re.search(r"pure-slip damping is ([\d.]+) \+/- ([\d.]+) kg/s", out)
+    shown = re.search(r"pure-slip damping by linear is ([\d.]+) \+/- ([\d.]+) kg/s", out)
     assert float(shown[1]) == pytest.approx(exact.value, abs=5e-4)
     assert float(shown[2]) == pytest.approx(exact.budget.uncertainty, rel=0.05)
     text = "".join(check_well_formed((tmp_path / "study.html").read_text(encoding="utf-8")).itertext())

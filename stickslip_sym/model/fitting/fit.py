@@ -16,8 +16,10 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import SAME
 from stickslip_sym.core.progress import counted_by, steps
 from stickslip_sym.core.remedies import AnySign, Values
+from stickslip_sym.model.fitting.lack_of_fit import chance_of_residuals, polynomials_of_rank
 from stickslip_sym.model.fitting.least_squares import Minimum, Problem
 from stickslip_sym.model.fitting.result import NORMAL, Fit, Fits
+from stickslip_sym.model.fitting.weights import rounding_variance
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.laws import laws as catalogue
@@ -34,6 +36,7 @@ _LOOSE = 0.5  # relative standard error of a positive parameter that is worth a 
 _MIXED = 0.1  # part in the direction without effect, over the largest: smaller parts are not named
 _ALIKE = 0.999  # correlation of two parameters that is worth a warning
 _UNLIKELY = 1e-3  # probability of what residuals show, if what is assumed of them holds, that is worth a warning
+_DESCRIBES = 0.01  # probability of what two further terms explain, below which a law does not describe the rows
 _FEWEST = 8  # rows, up to which no correlation stands out
 _JUMPS = 1e-6  # of the largest mu, between just below and just above a place
 _BESIDE = 1e-9  # relative distance of such speeds
@@ -153,7 +156,7 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
     settled = k + measured.differences
     if k == 0:
         raise InputError("it has no parameter without a value")
-    if len(measured.speeds) < k or count < settled + 2:
+    if len(measured.speeds) < k or count <= settled:
         rows = f"{count} rows at {len(measured.speeds)} speed{'s' * (len(measured.speeds) != 1)}"
         raise InputError(f"it has {k} free parameter{'s' * (k > 1)}, and {rows} are too few")
     best, rivals = _best(problem)
@@ -206,6 +209,8 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
         alike = np.abs(covariance[i]) > _ALIKE * errors[i] * errors
         raise _undetermined(names, np.flatnonzero(alike), p / np.maximum(errors, np.finfo(float).tiny))
     warned = [*_warnings(problem, p, covariance, noise, chi_squared), *_rivals(fitted, rivals)]
+    if not noise.lag:  # slow noise follows the speed too
+        warned += _lack_of_fit(problem, p, derivatives)
     return replace(fitted, jump_intervals=intervals, warnings=tuple(warned))
 
 
@@ -333,6 +338,21 @@ def _undetermined(names: tuple[str, ...], which: IntArray, strength: FloatArray)
         return InputError(f"these measurements say nothing of {weakest}; fix it: ", Values.of(weakest))
     mixed = " and ".join(names[i] for i in which)
     return InputError(f"these measurements do not tell {mixed} apart; fix one: ", Values.of(weakest))
+
+
+def _lack_of_fit(problem: Problem, p: FloatArray, derivatives: FloatArray) -> Iterator[str]:
+    """Yield that residuals follow the speed, if they do."""
+    measured = problem.measured
+    polynomials = measured.weights * polynomials_of_rank(measured.v).T
+    chance = chance_of_residuals(
+        problem.residuals(p), derivatives, measured.beside_branches(polynomials).T, rounding_variance(measured)
+    )
+    if chance is not None and chance < _DESCRIBES:
+        least = f"{chance:.1g}" if chance >= _UNLIKELY else f"less than {_UNLIKELY:g}"
+        yield (
+            "the law does not describe the measurements: residuals follow the speed as noise would with a "
+            f"probability of {least}; take another law"
+        )
 
 
 def _warnings(

@@ -1,6 +1,7 @@
 """The least squares of a friction law and measurements, by SciPy's `least_squares` with exact derivatives."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
+from heapq import heapify, heappop, heappush
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,6 +19,7 @@ from stickslip_sym.model.measured.measurements import Measurements
 
 _AT_REST = 1e-200  # m/s, in place of 0, where a power of v has no derivative with respect to its exponent
 _TOLERANCE = 1e-11  # relative, of the sum of squares and of the values; rounding allows 1e-14
+_ROUNDING = 1e-15  # cosine of the angle between residuals and derivatives that is 0
 _EVALUATIONS = 600  # of the law, for one start; more are needed only where values grow without bound
 _OUTSIDE = 1e6  # largest residual, in units of the largest weighted mu, and where the law has no real value
 _LARGEST_LOGARITHM = 690.0  # of a positive value, short of overflow
@@ -101,7 +103,8 @@ class Problem:
         outside = _OUTSIDE * float(np.max(np.abs(self._weights * self.measured.mu))) + 1.0
 
         def values(x: FloatArray) -> FloatArray:
-            return np.where(logarithmic, np.exp(np.where(logarithmic, x, 0.0)), x)
+            with np.errstate(over="ignore"):
+                return np.where(logarithmic, np.exp(np.where(logarithmic, x, 0.0)), x)
 
         def residuals(x: FloatArray) -> FloatArray:
             return np.nan_to_num(np.clip(-self.residuals(values(x)), -outside, outside), nan=outside)
@@ -115,11 +118,15 @@ class Problem:
         p = start
         if len(start):
             begin = np.where(logarithmic, np.log(np.maximum(start, np.exp(-_LARGEST_LOGARITHM))), start)
-            result = least_squares(
-                residuals, np.clip(begin, lowest, highest), slopes,  # rounding may leave a start just outside
-                bounds=(lowest, highest), method="dogbox",
-                x_scale="jac", ftol=_TOLERANCE, xtol=_TOLERANCE, gtol=None, max_nfev=_EVALUATIONS,
-            )  # fmt: skip
+            begin = np.clip(begin, lowest, highest)  # rounding may leave a start just outside
+            how: dict[str, Any] = {
+                "x_scale": "jac", "ftol": _TOLERANCE, "xtol": _TOLERANCE, "max_nfev": _EVALUATIONS,
+            }  # fmt: skip
+            # Levenberg and Marquardt's method knows no bounds, and follows flat valleys in fewer steps.
+            result = least_squares(residuals, begin, slopes, method="lm", gtol=_ROUNDING, **how)
+            if result.status <= 0 or (result.x < lowest).any() or (result.x > highest).any():
+                bounds = lowest, highest
+                result = least_squares(residuals, begin, slopes, bounds=bounds, method="dogbox", gtol=None, **how)
             if result.status <= 0:
                 return None
             p = values(result.x)
@@ -199,17 +206,30 @@ class Problem:
                 if minimum is not None and abs(np.log(minimum.p[i] / best[i])) > _APART_ON_A_GRID:
                     yield i, minimum
 
-    def starts(self, count: int) -> list[FloatArray]:
-        """Return up to `count` starts that differ, the best of random trials first."""
-        rng = np.random.default_rng(_SEED)
+    def starts(self, count: int) -> Iterator[FloatArray]:
+        """Yield up to `count` starts that differ, the best of random trials first."""
         moved = {i for feature in self.features for i in (feature.moved, *dict(feature.phases))}
-        drawn = [i for i in self.sought if i not in moved]
+        apart = np.where([i in moved for i in self.sought], _APART_ON_A_GRID, _APART)
+        chosen = list[FloatArray]()
+        for p in self._best_first(self._trials(moved)):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                near = [(np.abs(np.log(p[self.sought] / other[self.sought])) <= apart).all() for other in chosen]
+            if not any(near):
+                chosen.append(p)
+                yield p
+            if len(chosen) == count:
+                return
+
+    def _trials(self, moved: Collection[int]) -> list[FloatArray]:
+        """Return random values where mu is not linear in them, with places and waves moved to their best."""
+        rng = np.random.default_rng(_SEED)
         powers = [_power_of_speed(self._units[i]) for i in self.sought]
         above = self._v[self._v > _AT_REST]
         speeds = (above.min() / _BEYOND, above.max() * _BEYOND) if len(above) else (0.1, 1.0)
-        tried: list[Minimum] = []
-        trials = _TRIALS * len(drawn) // (2 if self.features else 1)
-        for _ in range(max(trials, _FEWEST_TRIALS if len(self.features) > 1 else 1)):
+        drawn = [i for i in self.sought if i not in moved]
+        count = _TRIALS * len(drawn) // (2 if self.features else 1)
+        trials = list[FloatArray]()
+        for _ in range(max(count, _FEWEST_TRIALS if len(self.features) > 1 else 1)):
             p: FloatArray = np.zeros(len(self.names))
             for i, known in zip(self.sought, powers, strict=True):
                 sign = 1 if self.positive[i] else int(rng.choice([-1, 1]))
@@ -218,18 +238,27 @@ class Problem:
                 p[i] = sign * size ** (power or 1)
             for feature in (self.features * 2)[: -1 if len(self.features) == 1 else None]:
                 p = self._moved(p, feature, feature.levels)
-            p = self._with_linear(p)
-            misfit = float(np.sum(self.residuals(p) ** 2))
+            trials.append(p)
+        return trials
+
+    def _best_first(self, trials: Sequence[FloatArray]) -> Iterator[FloatArray]:
+        """Yield trials with the best of their linear values, in ascending order of the sum of squares.
+
+        That with linear values of any sign is no larger, and says which trials need not be solved yet.
+        """
+        least = self._misfits(np.array(trials))
+        waiting: list[tuple[float, int, bool]] = [(float(misfit), i, False) for i, misfit in enumerate(least)]
+        heapify(waiting)
+        solved = dict[int, FloatArray]()
+        while waiting:
+            misfit, i, is_solved = heappop(waiting)
+            if is_solved:
+                yield solved[i]
+                continue
+            solved[i] = self._with_linear(trials[i])
+            misfit = float(np.sum(self.residuals(solved[i]) ** 2))
             if np.isfinite(misfit):
-                tried.append(Minimum(p, misfit))
-        apart = np.where([i in moved for i in self.sought], _APART_ON_A_GRID, _APART)
-        chosen: list[FloatArray] = []
-        for p, _ in sorted(tried, key=lambda trial: trial.chi_squared):
-            with np.errstate(divide="ignore", invalid="ignore"):
-                near = [(np.abs(np.log(p[self.sought] / other[self.sought])) <= apart).all() for other in chosen]
-            if len(chosen) < count and not any(near):
-                chosen.append(p)
-        return chosen
+                heappush(waiting, (misfit, i, True))
 
     def _with_linear(self, p: FloatArray) -> FloatArray:
         """Return the values with the best of those in which mu is linear, not below 0 where they are positive."""

@@ -11,14 +11,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
-from scipy.special import ndtr, ndtri, stdtrit
+from scipy.special import ndtri, stdtrit
 from uncertainties import UFloat, correlated_values, covariance_matrix
 
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.core.numbers import lookup, read_array, real
 from stickslip_sym.core.uncertain import interval, with_error
+from stickslip_sym.model.fitting.averaged import Averaged, ByLaw
 from stickslip_sym.model.fitting.least_squares import Problem
+from stickslip_sym.model.fitting.weights import RANKED, RATHER, speeds_that_count, weigh
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.output import markup
@@ -32,7 +34,6 @@ if TYPE_CHECKING:
 _USUAL = 0.95  # probability of an interval
 _SEARCHED = 64.0  # half widths by standard errors, within which the end of an interval is sought
 _NEAR_REST = 0.1  # of V: slip speeds below it are a part of 0 to 2 V that does not matter
-_RATHER = 0.01  # Akaike weight of laws over which a quantity is averaged, over that of the best
 
 NORMAL = 1.96
 """Standard errors on either side, 95 % of a normal distribution."""
@@ -112,7 +113,8 @@ class Fit(_Report):
     aicc : float
         Akaike's criterion, corrected for few rows: less is better; infinite where they are too few.
     weight : float
-        Akaike weight among the laws that were fitted together: 1 if no other could be meant.
+        Of the law among those that were fitted together: 1 if no other could be meant. For many speeds it is
+        Akaike's; for few see `Fits`.
 
     References
     ----------
@@ -319,51 +321,6 @@ class Fit(_Report):
         return figure
 
 
-@dataclass(frozen=True)
-class ByLaw:
-    """A quantity by one law: the law's name and weight, the value and its standard error."""
-
-    law: str
-    weight: float
-    value: float
-    standard_error: float
-
-
-@dataclass(frozen=True)
-class Averaged:
-    """A quantity by each of several laws, and its average by their weights.
-
-    Attributes
-    ----------
-    rows : tuple of ByLaw
-    refused : dict of str to str
-        Laws that have no such quantity, each with the reason.
-    value : float
-        The sum of weights times values, of the laws that have one.
-    standard_error : float
-        The root of the sum of w_i (s_i^2 + (c_i - value)^2): of values and of the choice of law.
-
-    References
-    ----------
-    K. P. Burnham and D. R. Anderson, Sociological Methods & Research 33 (2004) 261: unconditional variance.
-    """
-
-    rows: tuple[ByLaw, ...]
-    refused: Mapping[str, str]
-    value: float
-    standard_error: float
-
-    def above(self, value: float, standard_error: float = 0.0) -> float:
-        """Return the probability that the quantity, normal for each law, is above a value with an error."""
-        weights, values, errors = _columns(self.rows)
-        spreads = np.maximum(np.hypot(errors, standard_error), 1e-300)
-        return float(np.average(ndtr((values - value) / spreads), weights=weights))
-
-
-def _columns(rows: Sequence[ByLaw]) -> FloatArray:
-    return np.array([(row.weight, row.value, row.standard_error) for row in rows]).T
-
-
 class Fits(_Report, Sequence[Fit]):
     """Fits of several laws to the same measurements, the best first.
 
@@ -373,26 +330,32 @@ class Fits(_Report, Sequence[Fit]):
     fits : tuple of Fit
     rejected : dict of str to str
         Laws that these measurements do not determine, each with the reason.
+
+    Notes
+    -----
+    With n different speeds, S the sum of squares of the means at each speed about a law of k parameters, and
+    nu = n - k of the law with the least S/(n - k), a weight is exp(-k) S^(-(nu + 1)/2). Where so many rows as
+    `Fit.inflation` count as one, n is less by that. For many speeds it is Akaike's weight, and it is finite from
+    n = k + 1 on. Laws whose fitted curves are one share the weight of one.
     """
 
     reported = ("measured", "fits", "rejected")
 
     def __init__(self, fits: Sequence[Fit], measured: Measurements, rejected: Mapping[str, str]) -> None:
-        inflation = min(fits, key=lambda fit: fit.chi_squared).inflation
-        ranked = [replace(fit, aicc=_aicc(fit, inflation)) for fit in fits]
-        ranked.sort(key=lambda fit: (fit.aicc, fit.chi_squared))
-        least = ranked[0].aicc
-        likelihoods = [math.exp((least - fit.aicc) / 2) if least < math.inf else 1.0 for fit in ranked]
-        total = sum(likelihoods)
-        self.fits = tuple(
-            replace(fit, weight=likelihood / total) for fit, likelihood in zip(ranked, likelihoods, strict=True)
-        )
+        best = min(fits, key=lambda fit: fit.chi_squared)
+        weighing = weigh(measured, fits, best.inflation)
+        weighed = [
+            replace(fit, aicc=_aicc(fit, best.inflation), weight=weight)
+            for fit, weight in zip(fits, weighing.weights.tolist(), strict=True)
+        ]
+        self.fits = tuple(sorted(weighed, key=lambda fit: (-fit.weight, fit.chi_squared)))
+        self._weighing = weighing
         self.measured = measured
         self.rejected = dict(rejected)
 
     @property
     def best(self) -> Fit:
-        """The fit with the least AICc."""
+        """The fit with the greatest weight."""
         return self.fits[0]
 
     def average(self, quantity: Callable[[FrictionLaw], Any]) -> Averaged:
@@ -420,21 +383,33 @@ class Fits(_Report, Sequence[Fit]):
         >>> f"{averaged.value:.2f} +/- {averaged.standard_error:.3f}"
         '0.98 +/- 0.005'
         """
-        rows, refused = list[ByLaw](), dict[str, str]()
-        for fit in self.fits:
-            if fit.weight < _RATHER * self.best.weight:
-                continue
+        rows, refused, unknown = list[ByLaw](), dict[str, str](), 0.0
+        for fit in self.likely:
             try:
-                averaged = quantity(fit.law.bind(**fit.uncertain))
-                rows.append(ByLaw(fit.name, fit.weight, float(averaged.value), float(averaged.uncertainty or 0.0)))
+                estimate = quantity(fit.law.bind(**fit.uncertain))
             except StickSlipError as error:
                 refused[fit.name] = str(error)
+                unknown += fit.weight
+                continue
+            of_fit, of_point = _parts_of_error(estimate, fit)
+            # The noise is one for all laws, and not what each leaves.
+            of_fit *= math.sqrt(self._weighing.variance / fit.variance) if fit.variance > 0 else 0.0
+            spread = math.hypot(of_fit, of_point)
+            rows.append(ByLaw(fit.name, fit.weight, float(estimate.value), spread, of_point))
         if not rows:
             raise InputError(f"no law has it: {next(iter(refused.items()))}")
-        weights, values, errors = _columns(rows)
-        mean = np.average(values, weights=weights)
-        variance = np.average(errors**2 + (values - mean) ** 2, weights=weights)
-        return Averaged(tuple(rows), refused, float(mean), float(np.sqrt(variance)))
+        return Averaged.of(
+            rows,
+            refused,
+            speeds=speeds_that_count(self.measured),
+            dof=self._weighing.dof,
+            unknown=unknown / (unknown + sum(row.weight for row in rows)),
+        )
+
+    @property
+    def likely(self) -> tuple[Fit, ...]:
+        """The fits of laws that may be meant: those whose weight is not below a hundredth of the best one's."""
+        return tuple(fit for fit in self.fits if fit.weight >= RATHER * self.best.weight)
 
     def __getitem__(self, place: Any) -> Any:
         """Return a fit by its rank from 0, or by its law's name."""
@@ -446,17 +421,19 @@ class Fits(_Report, Sequence[Fit]):
         return len(self.fits)
 
     def _parts(self) -> list[str | Rows]:
-        rows = []
+        rows, least = [], min(fit.aicc for fit in self.fits)
         for fit in self.fits:
-            above = f"{fit.aicc - self.best.aicc:.1f}" if math.isfinite(fit.aicc) else "-"
+            above = f"{fit.aicc - least:.1f}" if math.isfinite(fit.aicc) else "-"
             rows.append([fit.name, above, f"{fit.weight:.3f}", f"{fit.sigma:.3g}", fit.values_in_words])
         parts: list[str | Rows] = [
             *self.measured.parts(),
             (["law", "AICc above", "weight", "sigma", "values"], rows),
         ]
-        likely = [fit for fit in self.fits if fit.weight >= _RATHER * self.best.weight]
-        parts += [f"warning: {fit.name}: {text}" for fit in likely for text in fit.warnings]
-        if others := [fit.name for fit in self.fits if fit.warnings and fit not in likely]:
+        speeds = speeds_that_count(self.measured)
+        if speeds < RANKED:
+            parts.append(f"too few rows to rank laws: {speeds} speeds; measure at {RANKED} speeds or more")
+        parts += [f"warning: {fit.name}: {text}" for fit in self.likely for text in fit.warnings]
+        if others := [fit.name for fit in self.fits if fit.warnings and fit not in self.likely]:
             parts.append(f"warnings of less likely laws, each printed with its fit: {', '.join(others)}")
         if self.rejected:
             parts.append((["not fitted", "because"], [[name, why] for name, why in self.rejected.items()]))
@@ -467,6 +444,16 @@ class Fits(_Report, Sequence[Fit]):
 
     def _figure(self) -> "Figure":
         return self.best._figure()
+
+
+def _parts_of_error(estimate: Any, fit: Fit) -> tuple[float, float]:
+    """Return the parts of a quantity's standard error that fitted parameters bring, and all others."""
+    whole, budget = float(estimate.uncertainty or 0.0), getattr(estimate, "budget", None)
+    if budget is None:
+        return whole, 0.0
+    share = sum(float(budget.shares[name]) for name in budget.names if name in fit.values)
+    of_fit = whole * math.sqrt(min(max(share, 0.0), 1.0))
+    return of_fit, math.sqrt(max(whole**2 - of_fit**2, 0.0))
 
 
 def _aicc(fit: Fit, inflation: float) -> float:

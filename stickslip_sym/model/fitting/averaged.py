@@ -1,0 +1,145 @@
+"""`Averaged`: a quantity by each law that may be meant, how likely it is above a value, and its intervals."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import ndtr, ndtri, stdtr, stdtrit
+
+from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.errors import InputError
+
+_USUAL = 0.95  # probability of an interval
+_NODES = (np.arange(400) + 0.5) / 400  # probabilities at which the narrower of two errors is averaged over
+_SHARP = 1e-300  # a standard error in place of 0
+_BEYOND = 100  # times less likely than the ends of an interval: there it is bracketed
+_RESOLVED = 1e-9  # of the bracket
+
+
+@dataclass(frozen=True)
+class ByLaw:
+    """A quantity by one law: the law's name and weight, the value and its standard error.
+
+    `of_point` is the part of the standard error that is none of the fit: of the operating point, normal.
+    """
+
+    law: str
+    weight: float
+    value: float
+    standard_error: float
+    of_point: float = 0.0
+
+    @property
+    def of_fit(self) -> float:
+        """The part of the standard error that the fit brings."""
+        return float(np.sqrt(max(self.standard_error**2 - self.of_point**2, 0.0)))
+
+
+@dataclass(frozen=True)
+class Averaged:
+    """A quantity by each of several laws, and its average by their weights.
+
+    Each law's value has a Student distribution, whose scale comes from one noise for all laws.
+
+    Attributes
+    ----------
+    rows : tuple of ByLaw
+    refused : dict of str to str
+        Laws that have no such quantity, each with the reason.
+    value : float
+        The sum of weights times values, of the laws that have one.
+    standard_error : float
+        The root of the sum of w_i (s_i^2 + (c_i - value)^2): of values and of the choice of law.
+    speeds : int
+        How many speeds were measured.
+    dof : float
+        Degrees of freedom of the noise; 0 where no law has fewer parameters than there are speeds.
+    unknown : float
+        The weight of the laws that have no such quantity, over that of all.
+
+    References
+    ----------
+    K. P. Burnham and D. R. Anderson, Sociological Methods & Research 33 (2004) 261: unconditional variance.
+    """
+
+    rows: tuple[ByLaw, ...]
+    refused: Mapping[str, str]
+    value: float
+    standard_error: float
+    speeds: int = 0
+    dof: float = 0.0
+    unknown: float = 0.0
+
+    @classmethod
+    def of(
+        cls, rows: Sequence[ByLaw], refused: Mapping[str, str], *, speeds: int, dof: float, unknown: float
+    ) -> "Averaged":
+        """Return the average of a quantity by some laws."""
+        weights = np.array([row.weight for row in rows])
+        values = np.array([row.value for row in rows])
+        errors = np.array([row.standard_error for row in rows])
+        mean = float(np.average(values, weights=weights))
+        variance = float(np.average(errors**2 + (values - mean) ** 2, weights=weights))
+        return cls(tuple(rows), refused, mean, float(np.sqrt(variance)), speeds, dof, unknown)
+
+    def above(self, value: float, standard_error: float = 0.0) -> float:
+        """Return the probability that the quantity is above a value, which may have a normal error of its own.
+
+        Raises
+        ------
+        InputError
+            If no law has fewer parameters than there are speeds, and nothing says how large the noise is.
+        """
+        return float(np.average(self.above_by_law(value, standard_error), weights=self._weights))
+
+    def above_by_law(self, value: float, standard_error: float = 0.0) -> FloatArray:
+        """Return this probability by each law, or raise the same error."""
+        if self.dof <= 0:
+            raise InputError(
+                f"no law has fewer parameters than the {self.speeds} speeds that were measured, and the noise is "
+                "not known; measure at more speeds, or give sigma"
+            )
+        return np.array([
+            _above(row.value - value, row.of_fit, self.dof, float(np.hypot(row.of_point, standard_error)))
+            for row in self.rows
+        ])  # fmt: skip
+
+    def interval(self, level: float = _USUAL) -> tuple[float, float]:
+        """Return the interval that holds the quantity with a probability, averaged over laws."""
+        low, high = self.range(1 - (1 - level) / _BEYOND)
+        if not (np.isfinite([low, high]).all() and low < high):
+            return low, high
+
+        def end(share: float) -> float:
+            return float(brentq(lambda value: self.above(value) - share, low, high, xtol=_RESOLVED * (high - low)))
+
+        return end((1 + level) / 2), end((1 - level) / 2)
+
+    def range(self, level: float = _USUAL) -> tuple[float, float]:
+        """Return from where to where such intervals of all laws reach together, each by its law alone."""
+        share = (1 + level) / 2
+        student = stdtrit(self.dof, share) if self.dof > 0 else np.inf
+        ends = list[tuple[float, float]]()
+        for row in self.rows:
+            of_fit = student * row.of_fit if row.of_fit > 0 else 0.0
+            half = float(np.hypot(of_fit, ndtri(share) * row.of_point))
+            ends.append((row.value - half, row.value + half))
+        return min(low for low, _ in ends), max(high for _, high in ends)
+
+    @property
+    def _weights(self) -> FloatArray:
+        return np.array([row.weight for row in self.rows])
+
+
+def _above(distance: float, scale: float, dof: float, error: float) -> float:
+    """Return the probability of distance + scale t + error z > 0, with t Student's and z normal.
+
+    The narrower of the two is averaged over: degrees of freedom by Welch and Satterthwaite are too many where t
+    has one or two.
+    """
+    if error <= 0:
+        return float(stdtr(dof, distance / max(scale, _SHARP)))
+    if error < scale:
+        return float(np.mean(stdtr(dof, (distance + error * ndtri(_NODES)) / scale)))
+    return float(np.mean(ndtr((distance + scale * stdtrit(dof, _NODES)) / error)))

@@ -1,0 +1,128 @@
+"""How likely each of several fitted laws is, and the noise that all of them share.
+
+What counts are the speeds: rows at one speed say nothing of a law's shape, and count as their mean. With n speeds,
+S the weighted sum of squares of those means about a law of k parameters, and nu = n - k of the law with the least
+S/(n - k), its weight is exp(-k) S^(-(nu + 1)/2). For many speeds that is Akaike's; it is finite from n = k + 1 on.
+The noise is one for all: its variance is the mean of S/(n - k) by weight, with the mean of n - k as its degrees of
+freedom. Where sigma is known, and some law describes the rows, the weight is exp(-k - S/2), and the variance 1.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from scipy.special import chdtrc
+
+from stickslip_sym.core.aliases import BoolArray, FloatArray
+from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.measured.measurements import Measurements
+
+RATHER = 0.01
+"""Weight of laws that may be meant, over that of the best."""
+RANKED = 8
+"""Speeds, from which the greatest weight is worth naming a law."""
+_SIGMA_HOLDS = 0.05  # probability of the residuals of some law, above which a given sigma is believed
+_NORMAL = 1e8  # degrees of freedom that make Student's distribution the normal one
+_MOST_DECIMALS = 9  # of coefficients that were rounded; more are those of a computation
+_WRITTEN = 1e-12  # relative to 1: what binary numbers are off decimal ones
+_ROUNDED = 1 / 12  # variance of a rounding error, in squares of the last decimal
+_COMPUTED = 1e-15  # of the largest coefficient: rounding of what was computed
+_ONE_CURVE = 1e-6  # of the largest coefficient, by which two curves may differ that are one
+_SPEEDS_OF_CURVE = np.geomspace(1e-3, 1.0, 50)  # of the highest measured one, where curves are compared
+
+
+class Fitted(Protocol):
+    """What is asked of a fit: its parameters, the law that they make, and what the law leaves of each row."""
+
+    @property
+    def values(self) -> Mapping[str, float]:
+        """The fitted parameters."""
+
+    @property
+    def law(self) -> FrictionLaw:
+        """The law with the fitted values."""
+
+    @property
+    def residuals(self) -> FloatArray:
+        """Measured less fitted coefficients."""
+
+
+class Weighing(NamedTuple):
+    """The weights of fits, which sum to 1, and the noise: its variance for a row of weight 1, and its freedom.
+
+    `dof` is 0 where no law has fewer parameters than there are speeds: nothing was checked then.
+    """
+
+    weights: FloatArray
+    variance: float
+    dof: float
+
+
+def weigh(measured: Measurements, fits: Sequence[Fitted], inflation: float) -> Weighing:
+    """Return the weights of fits to measurements, and their noise; `inflation` rows count as one."""
+    k = np.array([len(fit.values) for fit in fits])
+    dof = speeds_that_count(measured) / inflation - k
+    checked = dof >= 1
+    if not checked.any():
+        weights = np.exp(k.min() - k)
+        return Weighing(weights / weights.sum(), 0.0, 0.0)
+    least = np.maximum(dof, 1) * rounding_variance(measured)
+    squares = np.maximum([_squares_of_means(measured, fit) for fit in fits], least)
+    variances = np.where(checked, squares / np.maximum(dof, 1), np.inf)
+    best = int(np.argmin(variances))
+    believed = measured.sigma is not None and bool(np.max(chdtrc(dof[checked], squares[checked])) >= _SIGMA_HOLDS)
+    misfits = squares / 2 if believed else (dof[best] + 1) / 2 * np.log(squares / squares[best])
+    logarithms = -misfits - k
+    logarithms = np.where(checked, logarithms, -np.inf)
+    weights = _shared_by_curve(np.exp(logarithms - logarithms.max()), measured, fits)
+    weights /= weights.sum()
+    if believed:
+        return Weighing(weights, 1.0, _NORMAL)
+    likely = likely_laws(weights)
+    shares = weights[likely] / weights[likely].sum()
+    return Weighing(weights, float(shares @ variances[likely]), float(shares @ dof[likely]))
+
+
+def likely_laws(weights: FloatArray) -> BoolArray:
+    """Return which laws may be meant: those whose weight is not far below the greatest."""
+    return np.asarray(weights >= RATHER * weights.max())
+
+
+def speeds_that_count(measured: Measurements) -> int:
+    """Return how many speeds say something of a law's shape, beside differences between branches."""
+    return min(len(measured.speeds), len(measured) - measured.differences)
+
+
+def _squares_of_means(measured: Measurements, fit: Fitted) -> float:
+    """Return the sum of squares of weighted residuals, where rows at one speed count as their weighted mean."""
+    weights = measured.weights
+    _, index = np.unique(measured.v, return_inverse=True)
+    sums = np.bincount(index, weights**2 * fit.residuals)
+    return float(np.sum(sums**2 / np.bincount(index, weights**2)))
+
+
+def rounding_variance(measured: Measurements) -> float:
+    """Return the variance of a row of weight 1 that rounding of the coefficients alone has."""
+    largest = float(np.max(np.abs(measured.mu)))
+    step = 0.0
+    for decimals in range(1, _MOST_DECIMALS + 1):
+        if np.abs(measured.mu - measured.mu.round(decimals)).max() <= _WRITTEN:
+            step = 10.0**-decimals
+            break
+    rounding = _ROUNDED * step**2 + (_COMPUTED * largest) ** 2
+    return max(float(np.mean(measured.weights**2)) * rounding, float(np.finfo(np.float64).tiny))
+
+
+def _shared_by_curve(weights: FloatArray, measured: Measurements, fits: Sequence[Fitted]) -> FloatArray:
+    """Return weights where laws whose fitted curves are one share the greatest of theirs."""
+    speeds = _SPEEDS_OF_CURVE * float(measured.v[-1])
+    curves = [fit.law.at_speeds(speeds) for fit in fits]
+    near = _ONE_CURVE * float(np.max(np.abs(measured.mu)))
+    shared, left = weights.copy(), list(range(len(fits)))
+    while left:
+        same = [i for i in left if np.abs(curves[i] - curves[left[0]]).max() <= near]
+        together = float(weights[same].sum())
+        if together > 0:
+            shared[same] = weights[same] * (weights[same].max() / together)
+        left = [i for i in left if i not in same and i != left[0]]
+    return shared
