@@ -109,7 +109,8 @@ def power(base: Expr, exponent: Expr) -> Expr:
     harmless = not exponent.is_Rational or exponent.is_Integer or number in (0, 1) or number.is_negative
     if harmless or bits(number) * exponent.q <= _MOST_BITS:
         return base**exponent
-    return NumberPower(number, exponent) * rest**exponent
+    of_number = NumberPower(number, exponent) if exponent > 0 else NumberPower(1 / number, -exponent)
+    return of_number * rest**exponent
 
 
 # -- where branch cuts lie, and differences without cancellation -----------------------------------

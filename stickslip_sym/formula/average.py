@@ -29,7 +29,7 @@ from stickslip_sym.formula.proof.theorems import PieceByPiece, is_smooth
 from stickslip_sym.formula.tidy import factored
 from stickslip_sym.model.at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.expression.pieces import with_means
-from stickslip_sym.model.terms import shapes_of
+from stickslip_sym.model.terms import Term, shapes_of
 from stickslip_sym.output import printing
 
 
@@ -41,7 +41,7 @@ class Average:
         self.shapes = shapes_of(profile)
         self._parts: tuple[Part, ...] | None = None
         self._obstacle = NoClosedForm("nothing was tried")
-        self._searched = -1.0  # seconds that SymPy's integrator had
+        self._tried: bool | None = None  # whether SymPy's integrator was asked, once anything was tried
 
     @cached_property
     def slope(self) -> Expr:
@@ -50,32 +50,32 @@ class Average:
 
     # -- the closed form -----------------------------------------------------------------------------
 
-    def find(self, seconds: float = 0.0) -> Expr:
-        """Return F as a formula in V and the shapes; SymPy's integrator has so many seconds where no rule applies.
+    def find(self, *, search: bool = False) -> Expr:
+        """Return F as a formula in V and the shapes; by SymPy's integrator too where no rule applies.
 
-        What failed once is not tried again, unless SymPy's integrator is given more time.
+        What failed once is not tried again, unless SymPy's integrator is asked now and was not before.
         """
-        if self._parts is None and seconds > self._searched:
+        if self._parts is None and (self._tried is None or (search and not self._tried)):
             try:
-                self._parts = self._integrated(seconds)
+                self._parts = self._integrated(search=search)
             except NoClosedForm as failure:
-                self._obstacle, self._searched = failure, seconds
+                self._obstacle, self._tried = failure, search
         if self._parts is None:
             raise NoClosedForm(*self._obstacle.args)
         return self._formula(self._parts)
 
-    def _integrated(self, seconds: float) -> tuple[Part, ...]:
+    def _integrated(self, *, search: bool) -> tuple[Part, ...]:
         self.require_integrable()
         if self.criterion.weight is None or not self.profile.has(symbols.v):
             return ()
         if self.rates:
             continued = Continued(self)
-            continued.source.find(seconds)
+            continued.source.find(search=search)
             rule = ", ".join(part.rule for part in continued.source._parts or ())
             return (Part(definition(self.profile, self.criterion), continued.value, rule, continued),)
         # Under the conditions, which SymPy then sees in every exponent.
         profile = self.profile.xreplace({shape: bound + sign * slack for shape, bound, slack, sign in self._slack})
-        return tuple(integrate_terms(profile, self.criterion, seconds))
+        return tuple(integrate_terms(profile, self.criterion, search_too=search))
 
     def _formula(self, parts: tuple[Part, ...]) -> Expr:
         if not parts:
@@ -147,10 +147,19 @@ class Average:
         order = self.criterion.order_at_rest
         strength = symbolic_limit_at_rest(v**order * self.profile)
         if strength.is_infinite or (order > 0 and strength is not sp.nan and sp.simplify(strength) != 0):
-            raise NoClosedForm(
-                f"it is not integrable at v = 0+ with the weight of the criterion {self.criterion.name!r}, which "
-                "has no value; cut mu off there: write Max(v, v_c) for v"
-            )
+            raise self._diverges
+
+    def require_conditions(self, term: Term) -> None:
+        """Refuse a term with exponents that are numbers for which the average does not exist."""
+        if any(term.in_parameters(condition) == sp.false for condition in self.conditions):
+            raise self._diverges
+
+    @property
+    def _diverges(self) -> NoClosedForm:
+        return NoClosedForm(
+            f"it is not integrable at v = 0+ with the weight of the criterion {self.criterion.name!r}, which "
+            "has no value; cut mu off there: write Max(v, v_c) for v"
+        )
 
     @cached_property
     def conditions(self) -> tuple[Expr, ...]:

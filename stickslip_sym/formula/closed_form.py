@@ -1,7 +1,8 @@
 """`ClosedForm`: a criterion of a law as a sum of averages; `derive`, which finds and proves it."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import count
 from typing import SupportsIndex
@@ -26,6 +27,7 @@ from stickslip_sym.formula.proof.gate import GATE_POINTS
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal
 from stickslip_sym.formula.slope_average import SlopeAverage
 from stickslip_sym.formula.tidy import tidy
+from stickslip_sym.model.expression.letters import lettered, with_numbers
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.pieces import with_means
 from stickslip_sym.model.law import FrictionLaw
@@ -34,7 +36,6 @@ from stickslip_sym.model.terms import Term, shapes_of
 from stickslip_sym.output import markup, printing
 from stickslip_sym.output.notation import check_known, notation_of
 
-_SEARCHING = 2.0  # seconds of the processor for SymPy: what it finds at all, it finds in that time
 _REMEDY = (
     ". Take the criterion as a fast function: ",
     Call("stickslip_sym.slope_average", "export LAW --python FILE"),
@@ -58,9 +59,15 @@ class ClosedForm(SlopeAverage):
     terms : tuple of Term
     origin : tuple of ClosedForm and str, optional
         Of a sensitivity, what it is the derivative of, and by which parameter.
+    general : ClosedForm, optional
+        The form of the same law with letters for its long numbers, by which this one was derived.
+    meanings : mapping of Symbol to sympy.Expr
+        What each of these letters stands for.
     """
 
     origin: "tuple[ClosedForm, str] | None" = None
+    general: "ClosedForm | None" = None
+    meanings: Mapping[Expr, Expr] = field(default_factory=dict)
 
     @property
     def reported(self) -> tuple[str, ...]:
@@ -86,6 +93,8 @@ class ClosedForm(SlopeAverage):
     @cached_property
     def expr(self) -> Expr:
         """The damping coefficient c in kg/s, an expression in V, N and the law's parameters."""
+        if self.general is not None:
+            return with_numbers(self.general.expr, self.meanings)
         return tidy(self._sum, self.law.expr, V)
 
     @cached_property
@@ -100,6 +109,8 @@ class ClosedForm(SlopeAverage):
     def derivation(self) -> Derivation:
         """The steps that lead to the formula, each with its verdict."""
         criterion, law = self.criterion, self.law
+        if self.general is not None:
+            return self._from_letters(self.general)
         derivation = Derivation(
             f"{law.name or 'law'}/{criterion.name}", f"The {criterion.name} criterion for mu(v) = {law.text}"
         )
@@ -122,6 +133,21 @@ class ClosedForm(SlopeAverage):
         )
         return derivation
 
+    def _from_letters(self, general: "ClosedForm") -> Derivation:
+        """Return the steps for the law in letters, and that which puts its numbers in."""
+        title = f"The {self.criterion.name} criterion for mu(v) = {self.law.text}"
+        derivation = Derivation(general.derivation.name, title, list(general.derivation.steps))
+        letters = ", ".join(f"{letter} = {printing.text(value)}" for letter, value in self.meanings.items())
+        in_letters = printing.text(general.law.expr)
+        derivation.equal(
+            f"put in {letters}",
+            f"the formula holds for all positive values of the letters in mu(v) = {in_letters}",
+            with_numbers(general.expr, self.meanings),
+            self.expr,
+            shown=c,
+        )
+        return derivation
+
     @cached_property
     def verdict(self) -> Verdict:
         """What is established: the weakest verdict of the steps and of the comparisons with the definition."""
@@ -136,6 +162,10 @@ class ClosedForm(SlopeAverage):
     @cached_property
     def limits(self) -> Limits:
         """What the criterion tends to as V falls to 0, and as V grows."""
+        if self.general is not None:
+            ends = self.general.limits
+            found = (ends.at_rest, ends.far)
+            return Limits(*[None if end is None else with_numbers(end, self.meanings) for end in found])
         return limits_of(self.averages, self.law.expr)
 
     def sensitivity(self, name: str) -> "ClosedForm":
@@ -181,11 +211,14 @@ class ClosedForm(SlopeAverage):
         if any(term.expr.free_symbols - slope.free_symbols - {v} for term in terms):
             terms = law.terms  # a v + b v^2 is one term, whose scale holds both: it cancels out
         form = ClosedForm(law, self.criterion, terms, (self, name))
+        if self.general is not None and name in self.general.law.parameters:
+            form = replace(form, general=self.general.sensitivity(name), meanings=self.meanings)
         for term, average in form.averages:
             if average.closed is None:
                 raise NoClosedForm(f"{printing.text(term.expr)}, a term of dmu/d{name}, has no closed form here")
         _require(form.verdict)
-        _require(prove_equal(sp.diff(self.expr, symbol), form.expr))
+        if form.general is None:
+            _require(prove_equal(sp.diff(self.expr, symbol), form.expr))
         return form
 
     @cached_property
@@ -299,7 +332,7 @@ def derive(
     """Derive the closed form of a criterion for a law, prove it, and check it against its definition.
 
     The law is split into terms, and the profile of each is averaged once: by rules first, by SymPy's integrator
-    last, in a process that is killed when its time is up. Antiderivatives are proved by differentiation, harmonic
+    last, in a process that ends after a number of steps. Antiderivatives are proved by differentiation, harmonic
     averages and series by the differential equation that both sides satisfy. Every average is compared with
     its definition at 12 seeded points over six decades.
 
@@ -311,7 +344,7 @@ def derive(
     time_limit : float
         Seconds that all of this may take.
     search : bool
-        Let SymPy's integrator try what no rule covers, for 2 s a profile.
+        Let SymPy's integrator try what no rule covers, for a million calls of functions a profile.
     progress : callable, optional
         Called with a few words whenever another piece of work begins.
 
@@ -377,8 +410,32 @@ def _differentiated(term: Term, criterion: Criterion, parameter: Expr) -> list[T
 
 
 def _derived(law: FrictionLaw, criterion: Criterion, search: bool) -> ClosedForm:
-    check_time()
+    """Derive a form by that of the law in letters, or by itself where a number was needed to decide something."""
     form = ClosedForm(law, criterion, law.terms)
+    general, meanings = _in_letters(law)
+    if meanings:
+        with suppress(NoClosedForm):
+            of_letters = _completed(ClosedForm(general, criterion, general.terms), search=False)
+            form = replace(form, general=of_letters, meanings=meanings)
+    return _completed(form, search)
+
+
+def _in_letters(law: FrictionLaw) -> tuple[FrictionLaw, Mapping[Expr, Expr]]:
+    """Return a law with letters for its long numbers, and what they stand for; a curve through points as it is."""
+    found = lettered(law.expr)
+    if law.curve is not None or not found.meanings:
+        return law, {}
+    kept = [p for p in law.parameters.values() if p.symbol in found.expr.free_symbols]
+    letters = [Parameter(letter.name) for letter in found.meanings]
+    try:
+        general = FrictionLaw(found.expr, parameters=[*kept, *letters], name=law.name)
+    except InputError:  # as of a formula that in letters has too many terms
+        return law, {}
+    return (general, found.meanings) if general.expr == found.expr else (law, {})
+
+
+def _completed(form: ClosedForm, search: bool) -> ClosedForm:
+    check_time()
     number, total = count(), 3 * len(form.averages) + 1
     with stages() as say:
 
@@ -395,8 +452,9 @@ def _in_stages(form: ClosedForm, search: bool, begin: Callable[[str], None]) -> 
         name = printing.text(term.expr)
         begin(f"averaging {name}")
         average.require_integrable()  # no other way gives what has no value
+        average.require_conditions(term)
         try:
-            average.find(_SEARCHING if search else 0.0)
+            average.find(search=search)
         except NoClosedForm as failure:
             raise NoClosedForm(
                 f"the term {name} has no closed form that is known here: {failure}", *_REMEDY

@@ -15,7 +15,7 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import FUNCTIONS
 from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.formula.code import writer
-from stickslip_sym.formula.lettered import lettered
+from stickslip_sym.formula.lettered import readable
 from stickslip_sym.formula.slope_average import SlopeAverage
 from stickslip_sym.formula.zeros import zeros
 from stickslip_sym.model.law import FrictionLaw
@@ -212,7 +212,7 @@ def _unit(text: str) -> str:
 
 def criterion_latex(form: ClosedForm, label: str) -> str:
     """Return a closed form as one displayed equation, its long numbers as letters with their values below it."""
-    shown, letters = lettered(form)
+    shown, letters = readable(form)
     names = notation_of(["c", *shown.arguments])
     return equation(names["c"], shown.expr, names, label=label, letters=letters)
 
@@ -220,7 +220,7 @@ def criterion_latex(form: ClosedForm, label: str) -> str:
 def _criterion(
     form: ClosedForm, mark: str, given: Mapping[str, str], steps: bool, certificate: str
 ) -> Iterator[str]:
-    criterion, (shown, letters) = form.criterion, lettered(form)
+    criterion, (shown, letters) = form.criterion, readable(form)
     names = notation_of(["mu", *quantities.QUANTITIES, *shown.law.parameters], given)
     source = f" ({prose(criterion.source, {'V': names['V']})})" if criterion.source else ""
     label = f"eq:{mark}-{criterion.label}"

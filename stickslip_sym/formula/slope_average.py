@@ -92,6 +92,11 @@ class SlopeAverage(TermSum):
             if speeds.count():
                 self.law.require_speed(speeds.max() * (1 if self.criterion.weight is None else 2))
         for relation in self.conditions:
+            if relation == sp.false:
+                raise InputError(
+                    f"the {self.criterion.name} criterion has no value: mu grows without bound at v = 0+, and its "
+                    "integral diverges; cut mu off there: write Max(v, v_c) for v"
+                )
             names = sorted(map(str, relation.free_symbols))
             columns = [np.asarray(values[name], dtype=np.float64) for name in names]
             margin = function_of([self.arguments[name] for name in names], relation.gts - relation.lts, "numpy")

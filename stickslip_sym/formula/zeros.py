@@ -10,7 +10,7 @@ is undecided.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any
@@ -29,6 +29,7 @@ from stickslip_sym.core.functions import without_squares
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.closed_form import ClosedForm
+from stickslip_sym.model.expression.letters import with_numbers
 from stickslip_sym.model.expression.pieces import branch_from, jumps, kinks_at
 
 _LOWEST, _HIGHEST = -40, 40  # octaves of belt speed in m/s between which zeros are isolated
@@ -68,6 +69,13 @@ def zeros(form: ClosedForm) -> Zeros:
     """Return the belt speeds at which a criterion vanishes, by formula or for the typical parameters."""
     if form.expr == 0:
         return Zeros(everywhere=True)
+    if form.general is not None:
+        vanishing = zeros(form.general)
+        if vanishing.formula is not None:
+            return replace(vanishing, formula=with_numbers(vanishing.formula, form.meanings))
+        if vanishing.everywhere:
+            return vanishing
+        return _at_typical_values(form)
     numerator = sp.numer(sp.together(form.expr))
     if numerator.is_polynomial(symbols.V):
         match sp.Poly(sp.expand(numerator), symbols.V).terms():
@@ -77,6 +85,10 @@ def zeros(form: ClosedForm) -> Zeros:
                 speed = sp.factor(-constant / highest) ** sp.Rational(1, power)
                 if speed.is_positive:
                     return Zeros(speed)
+    return _at_typical_values(form)
+
+
+def _at_typical_values(form: ClosedForm) -> Zeros:
     law = form.law.typical()
     if law.missing:
         return Zeros()

@@ -2,8 +2,8 @@
 
 A profile is a function of v, the slip speed in units of the scale. It holds no parameter of a law: what neither
 the amplitude nor the scale takes out becomes a shape, a symbol p_1, p_2, ... of the profile, such as an exponent
-or a ratio of two speeds. Laws that differ in their parameters share their profiles, so what is derived of a
-profile is derived once.
+or a ratio of two speeds. Long numbers count as parameters. Laws that differ in their parameters share their
+profiles, so what is derived of a profile is derived once.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -15,6 +15,7 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
+from stickslip_sym.model.expression.letters import lettered
 from stickslip_sym.model.expression.pieces import RELATIONS, place_of
 
 
@@ -74,7 +75,7 @@ def terms_of(mu: Expr) -> tuple[Term, ...]:
         if rest.is_polynomial(v):
             polynomial += constant * rest
         else:
-            terms.append(_scaled(constant, rest))
+            terms.append(_in_letters(constant, rest))
     return (*_polynomial_terms(polynomial, v), *terms)
 
 
@@ -101,6 +102,15 @@ def _polynomial_terms(polynomial: Expr, v: Expr) -> Iterator[Term]:
 
 
 # -- amplitude, scale and shapes ---------------------------------------------------------------------
+
+
+def _in_letters(constant: Expr, rest: Expr) -> Term:
+    """Return a term whose long numbers are taken for parameters: those that are left in its profile are shapes."""
+    general = lettered(rest)
+    term = _scaled(sp.Integer(1), general.expr)
+    shapes = {shape: general.put_back(meaning) for shape, meaning in term.shapes.items()}
+    amplitude = sp.factor(constant * general.put_back(term.amplitude))
+    return Term(amplitude, general.put_back(term.scale), term.profile, shapes)
 
 
 def _scaled(constant: Expr, rest: Expr, rounded: Callable[[Expr], Expr] = lambda scale: scale) -> Term:

@@ -6,11 +6,10 @@ does not. Where both do the same, there is none between them if they do it by mu
 else the range of amplitudes is halved, down to beside a fold.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 
@@ -77,33 +76,3 @@ def orbit_signs(value: Callable[[IntArray, FloatArray], FloatArray], grows_at_re
 def _amplitude(place: FloatArray) -> FloatArray:
     """Return amplitudes over the belt's speed at places from 0 to 1."""
     return np.asarray(NEAREST + (1 - NEAREST) * (1 - np.cos(np.pi * place)) / 2)
-
-
-def sign_changes(
-    function: Callable[[float], float], nodes: Sequence[float], values: Sequence[float], rtol: float
-) -> Iterator[float]:
-    """Yield where a function changes its sign between nodes, from its values there, within a relative tolerance.
-
-    Also nodes at which it is 0, but for zeros beside zeros. Values beyond -1 and 1 count as these: they may be
-    infinite.
-    """
-
-    def bounded(x: float) -> float:
-        return min(max(function(x), -1.0), 1.0)
-
-    last = len(nodes) - 1
-    for i, (x, value) in enumerate(zip(nodes, values, strict=True)):
-        if value == 0 and (i == 0 or values[i - 1] != 0) and (i == last or values[i + 1] != 0):
-            yield x
-        elif i < last and value * values[i + 1] < 0:
-            yield brentq(bounded, x, nodes[i + 1], xtol=rtol * max(abs(x), abs(nodes[i + 1])))
-
-
-def closest(
-    function: Callable[[float], float], low: float, high: float, sign: float, xatol: float
-) -> tuple[float, float]:
-    """Return where a function of a sign comes closest to 0, or beyond it, between two places, and its value."""
-    nearest = minimize_scalar(
-        lambda x: sign * function(x), bounds=(low, high), method="bounded", options={"xatol": xatol}
-    )
-    return float(nearest.x), sign * float(nearest.fun)

@@ -36,6 +36,8 @@ def test_an_error_that_is_kept_leaves_no_step_behind():
 
 def test_a_sweep_out_of_time_leaves_no_step_behind():
     with pytest.raises(ss.OutOfTime) as kept:
-        ss.basin_sweep(ss.laws.exponential.typical(), SCENE, ("V", [0.3, 0.4]), x0=(-1, 1), v0=(0, 1), time_limit=0.001)
+        ss.basin_sweep(
+            ss.laws.exponential.typical(), SCENE, ("V", [0.3, 0.4]), x0=(-1, 1), v0=(0, 1), time_limit=0.001
+        )
     assert kept.value.__traceback__ is not None
     assert said_by(two_steps) == [("a",), ("b",), ("b",)]

@@ -34,14 +34,14 @@ class Part:
     by: By | None
 
 
-def integrate_terms(mu: Expr, criterion: Criterion, seconds: float) -> list[Part]:
-    """Integrate a profile mu(v) term by term; `seconds` are for SymPy's integrator, each time that it is asked."""
+def integrate_terms(mu: Expr, criterion: Criterion, *, search_too: bool) -> list[Part]:
+    """Integrate a profile mu(v) term by term; SymPy's integrator is asked last, or not at all."""
     parts = []
     for rest, constant in grouped(mu, symbols.v).items():
         pieces, places = pieces_of(rest)
         ends = ends_of_pieces(places, 2 * symbols.V)
         try:
-            rule, value, primitives = _averaged(pieces, ends, criterion, seconds)
+            rule, value, primitives = _averaged(pieces, ends, criterion, search_too=search_too)
         except NothingFound as nothing:
             raise NoClosedForm(f"no rule for the {criterion.name} criterion covers it, and {nothing}") from None
         term = constant * rest
@@ -56,7 +56,7 @@ def integrate_terms(mu: Expr, criterion: Criterion, seconds: float) -> list[Part
 
 
 def _averaged(
-    pieces: list[Expr], ends: list[Expr], criterion: Criterion, seconds: float
+    pieces: list[Expr], ends: list[Expr], criterion: Criterion, *, search_too: bool
 ) -> tuple[str, Expr, list[Expr]]:
     """Return a rule's name, the average of a term in pieces, and their antiderivatives where there are such."""
     v, V = symbols.v, symbols.V
@@ -77,8 +77,9 @@ def _averaged(
     for piece in pieces:
         primitive = antiderivative(piece, criterion.kernel, v)
         if primitive is None:
-            limit = 0.0 if _is_hopeless(piece) else seconds
-            primitive = search.RULE, search.antiderivative(piece, criterion.kernel, v, limit)
+            if not search_too or _is_hopeless(piece):
+                raise NothingFound(f"{search.RULE} was not asked")
+            primitive = search.RULE, search.antiderivative(piece, criterion.kernel, v)
         applied.append(primitive)
     primitives = [primitive for _, primitive in applied]
     try:

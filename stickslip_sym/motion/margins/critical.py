@@ -6,13 +6,13 @@ is that of the gap between both halves of the grazing orbit at c (`needed`): tha
 """
 
 import math
+from bisect import bisect_left
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import compress, pairwise
 from operator import not_
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 import sympy as sp
@@ -29,7 +29,8 @@ from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.kernel.data import TIGHT
+from stickslip_sym.motion.kernel.data import TIGHT, End
+from stickslip_sym.motion.orbits.damping import quick_speeds
 from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, STRONG, needed_ratio, rough_ratio, sure_gap
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.thresholds.averages import average, slope_mean
@@ -63,6 +64,8 @@ _NONE = Unknown("there is no threshold")
 _WIDER = 8.0  # times, by which the bracket about a root grows
 _FINER = 1e-3  # of rtol, the relative error of a threshold at a root
 _NEAR = 1e-2  # of the distance to where a threshold turns, a step of Newton's method that is a small one
+_BESIDE = 10.0  # errors of a value, on either side of which the slip from P has different fates
+_MEETS = 1e-13  # relative, of the argument at which the orbit that grazes comes to a slip speed
 _FLAT = math.sqrt(SIGNS)  # relative, whose square is nothing: distance of an extremum or an edge, step of Newton's
 
 
@@ -258,7 +261,8 @@ def excess(points: OperatingPoints, c: float, method: Method | None) -> float:
     """Return a number with the sign of threshold minus c at one operating point; NaN where there is none.
 
     An average, or a method that does not converge, has a threshold of its own. For the others it is the gap of the
-    grazing orbit, cut at -1 and 1: infinite, with its sign, where a half does not come to w = 1.
+    grazing orbit, cut at -1 and 1: infinite, with its sign, where a half does not come to w = 1. It is 0 where
+    rounding hides its sign.
     """
     deadline.check_time()
     try:
@@ -275,7 +279,10 @@ def excess(points: OperatingPoints, c: float, method: Method | None) -> float:
         return math.nan
     gap = sure_gap(system.rise, system.eta, system.zeta, system.push(1), 1.0, SIGNS)
     deadline.check_time()
-    return math.nan if gap.outside and math.isfinite(system.w_max) else min(max(float(gap.value), -1.0), 1.0)
+    if gap.outside and math.isfinite(system.w_max):
+        return math.nan
+    is_sure = math.isinf(gap.value) or abs(gap.value) > gap.rounding
+    return min(max(float(gap.value), -1.0), 1.0) if is_sure else 0.0
 
 
 def _places(within: Sequence[float | str] | None) -> FloatArray | None:
@@ -287,6 +294,26 @@ def _places(within: Sequence[float | str] | None) -> FloatArray | None:
     if not ascending or (places.size == 2 and places.prod() <= 0):
         raise InputError(f"within = {within} must be two numbers of one sign, ascending")
     return places
+
+
+class _QuickSpeeds(NamedTuple):
+    """Slip speeds in m/s near which a law varies quickly, ascending, and two that thresholds come from.
+
+    - `reached`: the highest slip speed of the orbit that grazes, and the belt speed.
+    """
+
+    speeds: tuple[float, ...]
+    reached: tuple[float, float]
+
+    @property
+    def met(self) -> tuple[int, int]:
+        """How many are lower than either."""
+        return bisect_left(self.speeds, self.reached[0]), bisect_left(self.speeds, self.reached[1])
+
+    def distance(self, side: int, i: int) -> float:
+        """Return the logarithm of one of them over what it is compared with; 1 where there are fewer."""
+        ratio = self.speeds[i] / self.reached[side] if i < len(self.speeds) else math.e
+        return math.log(ratio) if ratio > 0 else -1.0
 
 
 class _Search:
@@ -314,6 +341,7 @@ class _Search:
         self.unit = symbols.QUANTITIES[of].unit if self.is_quantity else law.parameters[of].unit
         self.converges = self.criterion is None and (self.method is None or self.method.converges)
         self.work = 0  # thresholds by slips so far
+        self.quick = dict[float, _QuickSpeeds]()
         self.sampled, self.sketched = dict[float, tuple[float, float]](), dict[float, tuple[float, float]]()
 
     def at(self, x: float | str | FloatArray) -> OperatingPoints:
@@ -477,9 +505,8 @@ class _Search:
             gap = excess(self.at(x), self.c, self.method)
             return min(max(gap, -1.0), 1.0) if not math.isnan(gap) else self._no_threshold(x)
 
-        kinks = [float(v) / part for v in self.law.kinks() for part in (1, 2)] if self.of == "V" else []
-        inside = [x for x in kinks if edges[0] < x < edges[-1]]
-        arguments = sorted({argument(x) for x in (*edges.tolist(), *inside)})
+        arguments = sorted({argument(x) for x in edges.tolist()})
+        arguments = self._parted(arguments, quantity)
         stretches, missing = self._stretches(sketch, arguments)
         if not stretches:
             raise NotConverged(f"there is no threshold at any {self.of}; try another method")
@@ -491,22 +518,89 @@ class _Search:
             values, errors = np.array(list(self.sampled.values())).T
             if (np.abs(values - self.c) <= errors).all():
                 raise NotConverged(f"the threshold is c, within its error, whatever {self.of} is")
-        results = []
+        results, unconfirmed = list[Critical](), list[tuple[float, float]]()
         for root in (root for stretch in resolved for root in stretch.roots()):
-            x, width = float(quantity(root.x)), min(abs(float(quantity(u) - quantity(root.x))) for u in root[1:])
-            with suppress(*NO_RESULT):
-                result = self._result(x, width)
-                if self.converges and abs(result.value - x) < width:
-                    results.append(result)
-                    continue
-            if (polished := _polished(off, root)) is not None:
-                results.append(self._result(float(quantity(polished))))
+            width = min(abs(float(quantity(u) - quantity(root.x))) for u in root[1:])
+            result = self._confirmed(float(quantity(root.x)), width)
+            if result is None:
+                polished = _polished(off, root)
+                result = None if polished is None else self._result(float(quantity(polished)))
+            if result is None:
+                unconfirmed.append((root.low, root.high))
+            else:
+                results.append(result)
         open_ends = [
             *((part[0], part[-1]) for part in missing),
-            *(one[:2] for stretch in resolved for one in stretch.open),
+            *(ends for stretch in resolved for ends in stretch.open_at(0.0)),
+            *unconfirmed,
         ]
         unresolved = [quantity(np.array(ends)).tolist() for ends in joined(open_ends)]
         return results, [(low, high) for low, high in unresolved]
+
+    def _confirmed(self, x: float, width: float) -> Critical | None:
+        """Return the root beside one of a polynomial, if the slip from P returns on one side of it only.
+
+        - `width`: how far it is to where the threshold turns.
+        """
+        if not self.converges:
+            return None
+        try:
+            result = self._result(x, width)
+            if abs(result.value - x) >= width:
+                return None
+            beside = _BESIDE * (result.relative_error or 0.0) * abs(result.value)
+            beside = min(max(beside, _FLAT * abs(result.value)), width)
+            fates = [excess(self.at(result.value + side * beside), self.c, self.method) for side in (-1, 1)]
+        except NO_RESULT:
+            return None
+        return result if fates[0] * fates[1] < 0 else None
+
+    # -- where the law varies quickly --------------------------------------------------------------
+
+    def _parted(self, arguments: list[float], quantity: Callable[[float], FloatArray]) -> list[float]:
+        """Part a range where the slip speeds of the orbit that grazes come to one near which mu varies quickly.
+
+        Thresholds may turn, jump, or begin anew there as a power of the distance.
+
+        - `arguments`: ascending; they part the range already.
+        """
+        u = nodes(np.array(arguments[:-1]), np.array(arguments[1:])).ravel()
+        seen = [self._quick(float(quantity(one))) for one in u.tolist()]
+        edges = set(arguments)
+        for (low, before), (high, after) in pairwise(zip(u.tolist(), seen, strict=True)):
+            for side in (0, 1):  # the highest slip speed, and the belt's
+                for i in range(*sorted((before.met[side], after.met[side]))):
+
+                    def off(u: float, side: int = side, i: int = i) -> float:
+                        return self._quick(float(quantity(u))).distance(side, i)
+
+                    if off(low) * off(high) < 0:
+                        edges.add(float(brentq(off, low, high, xtol=_MEETS * max(abs(low), abs(high)))))
+        return sorted(edges)
+
+    def _quick(self, x: float) -> "_QuickSpeeds":
+        """Return near which slip speeds mu varies quickly, beside those of the orbit that grazes."""
+        if x not in self.quick:
+            none = _QuickSpeeds((), (1.0, 1.0))
+            try:
+                points = self.at(x)
+                V = float(points.V[0])
+                speeds = quick_speeds(points.bound.table, V)
+                self.quick[x] = _QuickSpeeds(tuple(speeds), (self._highest(points), V)) if speeds else none
+            except NO_RESULT:
+                self.quick[x] = none
+        return self.quick[x]
+
+    def _highest(self, points: OperatingPoints) -> float:
+        """Return the highest slip speed of the orbit that grazes, in m/s: twice the belt's for averages."""
+        if not self.converges:
+            return 2 * float(points.V[0])
+        system = Dimensionless.of(points.bound, points.oscillator(0))
+        zeta, _ = needed_ratio(system, rtol=_CLOSE, fast=self.work > _FEW)
+        slip = replace(system, zeta=zeta).slip(0.0, 0.0, until=End.MAXIMUM, rtol=TIGHT)
+        return system.V * slip.w if slip.end is End.MAXIMUM else math.inf
+
+    # -- stretches with thresholds -----------------------------------------------------------------
 
     def _stretches(self, value: Sampled, arguments: list[float]) -> list[list[list[float]]]:
         """Part a range where thresholds end, as where motions leave measured speeds: parts with and without.
@@ -623,16 +717,17 @@ class _Search:
 def _polished(function: Callable[[float], float], root: Root) -> float | None:
     """Return where a function changes its sign about a root, up to where it turns; None if it does not."""
     step = _FLAT * max(1.0, abs(root.x))
-    while root.low < root.high:
+    if root.low == root.high:
+        return root.x if function(root.x - step) * function(root.x + step) < 0 else None
+    while True:
         low, high = max(root.low, root.x - step), min(root.high, root.x + step)
         below, above = function(low), function(high)
-        if below * above <= 0:
+        if below != above and below * above <= 0:
             tolerance = SIGNS * max(1.0, abs(root.x))
-            return float(brentq(function, low, high, xtol=tolerance)) if below != above else root.x
+            return float(brentq(function, low, high, xtol=tolerance))
         if (low, high) == (root.low, root.high):
             return None
         step *= _WIDER
-    return root.x
 
 
 def _spaced(low: float, high: float) -> list[float]:
