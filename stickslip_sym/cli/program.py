@@ -13,6 +13,7 @@ import click
 
 from stickslip_sym.cli.wording import in_options
 from stickslip_sym.core.errors import InputError, InputWarning, StickSlipError
+from stickslip_sym.core.foreign import printable
 from stickslip_sym.core.numbers import suggestion
 from stickslip_sym.core.remedies import worded
 from stickslip_sym.core.version import __version__
@@ -56,7 +57,7 @@ class Program(click.Group):
             try:
                 return super().invoke(ctx)
             except StickSlipError as error:
-                click.echo(f"error: {error}", err=True)
+                click.echo(printable(f"error: {error}", lines=True), err=True)
                 return BAD_INPUT if isinstance(error, InputError) else NO_RESULT
 
 
@@ -88,7 +89,7 @@ def _run() -> int:
         click.echo("interrupted", err=True)
         return INTERRUPTED
     except click.ClickException as error:
-        click.echo(f"error: {_explained(error)}", err=True)
+        click.echo(printable(f"error: {_explained(error)}", lines=True), err=True)
         return BAD_INPUT
     except OSError as error:
         # The rest of the buffer goes nowhere: Python would try again at its end, and complain.
@@ -117,7 +118,7 @@ def _warnings_in_a_line() -> Iterator[None]:
             others(message, category, *place, **more)
         elif (text := str(message)) not in printed:
             printed.add(text)
-            click.echo(f"warning: {text}", err=True)
+            click.echo(printable(f"warning: {text}", lines=True), err=True)
 
     with warnings.catch_warnings():
         others, warnings.showwarning = warnings.showwarning, show

@@ -17,6 +17,9 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.uncertain import split
 from stickslip_sym.core.units import in_si
 from stickslip_sym.model.operating_point import PAPER
+from stickslip_sym.output.files import read_bytes
+
+_LARGEST_POINT = 1_000_000  # bytes of a file of values
 
 
 @dataclass(frozen=True)
@@ -97,10 +100,11 @@ def _toml(file: Path) -> dict[str, Any]:
     """Read a file of values; numbers stay the text that they are."""
     expected = "a point has lines such as V = 0.5, for law, V, N, m, k and c, and a table [parameters]"
     try:
-        content = tomllib.loads(file.read_text(encoding="utf-8"), parse_float=str)
-    except (OSError, ValueError) as error:  # what is no text in UTF-8, and no TOML, is a ValueError
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"cannot read {str(file)!r}: {reason}; {expected}") from None
+        content = tomllib.loads(read_bytes(file, _LARGEST_POINT).decode(), parse_float=str)
+    except InputError as error:
+        raise InputError(error, f"; {expected}") from None
+    except ValueError as error:  # what is no text in UTF-8, and no TOML
+        raise InputError(f"cannot read {str(file)!r}: {error}; {expected}") from None
     if unknown := content.keys() - {"law", "parameters", *"VNmkc"}:
         raise InputError(f"{file}: there is no {min(unknown)}; {expected}")
     if not isinstance(content.get("law", ""), str) or not isinstance(content.get("parameters", {}), dict):

@@ -18,6 +18,7 @@ from mpmath.libmp import mpf_pos, round_nearest
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import CONSTANTS, Function, fold, row
+from stickslip_sym.core.interrupts import held_back
 from stickslip_sym.core.precision import in_mpmath, working_precision
 
 Z = TypeVar("Z", acb, arb_series)
@@ -208,6 +209,34 @@ def _whole_power(z: Z, exponent: int) -> Z:
         return z
     half = _whole_power(z, exponent // 2)
     return half * half * z if exponent % 2 else half * half
+
+
+def integrated(integrand: BallFunction, low: acb, high: acb, **bounds: Any) -> acb:
+    """Return a ball around an integral by Arb's adaptive rules: the one door to `acb.integral`.
+
+    An exception in the integrand must not pass through Arb, which goes on calling with the exception pending. It
+    is kept and raised afterwards, and the rest of the integrand counts as 0, so that Arb ends at once.
+
+    - `bounds`: on Arb's work, as `eval_limit`.
+    """
+    failures: list[BaseException] = []
+
+    def guarded(z: acb, analytic: bool) -> acb:
+        if failures or interrupt.came:
+            return acb(0)
+        try:
+            return integrand(z, analytic)
+        except BaseException as failure:
+            failures.append(failure)
+            return acb(0)
+
+    while True:
+        with held_back() as interrupt:
+            total = acb.integral(guarded, low, high, **bounds)
+        if failures:
+            raise failures.pop()
+        if not interrupt.came:  # else a handler of the user's lets the program go on: once more, undisturbed
+            return total
 
 
 # -- numbers, and which piece of an expression holds -----------------------------------------------

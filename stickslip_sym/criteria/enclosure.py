@@ -19,7 +19,7 @@ from flint import acb, arb, ctx
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Rational
-from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_value
+from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_value, integrated
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.numbers import Number, fraction
 from stickslip_sym.core.precision import refined, working_precision
@@ -287,8 +287,8 @@ def average_ball(
 
         return over_speed if criterion.is_polynomial else over_angle
 
-    total = scale * reduce(add, [acb.integral(integrand(part), *panel)
-                                 for part, panel in zip(parts, pairwise(ends), strict=True)])  # fmt: skip
+    panels = zip(parts, pairwise(ends), strict=True)
+    total = scale * reduce(add, [integrated(integrand(part), *panel) for part, panel in panels])
     low, high = criterion.ends
     if (decay := decay_at_rest(vanished, point)) is not None:
         start = decay.below(reach, ctx.prec)
@@ -298,7 +298,7 @@ def average_ball(
         part = ball_function(vanished, symbols.v, point)
         # The absolute tolerance is that of values that may be as small as here at the end.
         size = abs(part(acb(places[0] if places else reach), False)) * arb(2) ** -ctx.prec
-        total += scale * acb.integral(integrand(part), ends[0] + share, ends[1], abs_tol=size.lower())
+        total += scale * integrated(integrand(part), ends[0] + share, ends[1], abs_tol=size.lower())
         total += acb(arb(0, most.abs_upper()) if most.is_finite() else arb.nan())
         if high != 0 and len(parts) == 1:
             total -= ball(high) * part(2 * V, False)

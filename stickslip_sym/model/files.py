@@ -113,12 +113,8 @@ def load(path: str | Path) -> FrictionLaw | tuple[FrictionLaw, ...]:
 
 def _read(path: Path, name: str) -> object:
     try:
-        if path.stat().st_size > _LARGEST:
-            raise InputError(f"{name} has over {_LARGEST} bytes; nothing that is saved here is as long")
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"cannot read {name}: {error.strerror or error}") from None
-    except ValueError as error:
+        text = files.read_bytes(path, _LARGEST).decode()
+    except UnicodeDecodeError as error:
         raise InputError(f"{name} is no text in UTF-8: {str(error)[:80]}") from None
     try:
         return json.loads(text)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray, Rational
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.foreign import printable
 from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.core.numbers import Number, exact, require_type, suggestion
 from stickslip_sym.core.remedies import AnySign, Argument, Values
@@ -103,7 +104,8 @@ class FrictionLaw(DescribedLaw, MadeOfMeasurements):
         self.expr = read_formula(self._formula, table)
         self._read_static(static, table)
         self.curve: SampledCurve | None = None
-        self.name, self.source, self.validity = name, source, validity
+        about = (None if value is None else printable(value) for value in (name, source, validity))
+        self.name, self.source, self.validity = about
         self._values: dict[str, Rational] = {}
         self._uncertain: dict[str, UFloat] = {}
         self._take(table, described)

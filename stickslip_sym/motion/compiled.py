@@ -7,6 +7,7 @@ making it counts in no time limit. Without numba, the extra `fast`, `compiled` r
 
 import inspect
 import logging
+import math
 import os
 import sys
 import threading
@@ -18,6 +19,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from stickslip_sym.core.deadline import is_late, uncounted
+from stickslip_sym.core.interrupts import held_back
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 _PATIENCE = 1.0  # seconds, after which a compilation is announced
@@ -65,8 +67,9 @@ def compiled(function: _Function) -> _Function:
     """
     if not is_compiling():
         return function
-    import numba
-    from numba.extending import overload, register_jitable
+    with held_back():  # an interrupt within the import would break numba until Python is started again
+        import numba
+        from numba.extending import overload, register_jitable
 
     if not any(_marked.values()):
         overload(is_late)(lambda: lambda: False)  # whoever runs machine code looks at the time between two batches
@@ -76,12 +79,12 @@ def compiled(function: _Function) -> _Function:
         )
         _marked[part] = True
     machine_code: Any = numba.njit(nogil=True, **_OPTIONS)(function)
-    _forget_what_is_older()
+    _forget(_newest_part(), function)
 
     def call(*arguments: Any) -> Any:
         if not machine_code.overloads:
             with uncounted(), _announced("compiling the integrator, once for this installation ..."):
-                machine_code.compile(tuple(map(numba.typeof, arguments)))
+                _load_or_make(machine_code, function, tuple(map(numba.typeof, arguments)))
             _ready.add(function)
         return machine_code(*arguments)
 
@@ -100,16 +103,29 @@ def _announced(line: str) -> Iterator[None]:
         notice.cancel()
 
 
-def _forget_what_is_older() -> None:
-    """Remove kept machine code that is older than a file of what it may call: numba looks at its own file only."""
+def _load_or_make(machine_code: Any, function: Callable[..., Any], types: tuple[Any, ...]) -> None:
+    """Load kept machine code, or make it; what is kept and cannot be read is dropped, and made once more."""
+    try:
+        machine_code.compile(types)
+    except Exception:  # of pickle, of LLVM, of text that is none: whatever damaged bytes lead to
+        _forget(math.inf, function)
+        machine_code.compile(types)
+
+
+def _newest_part() -> float:
+    """Return when the newest file of what compiled functions may call was changed: numba looks at its own only."""
+    return max(os.path.getmtime(inspect.getfile(part)) for part in _marked)
+
+
+def _forget(before: float, function: Callable[..., Any]) -> None:
+    """Remove machine code, of a function and of what it may call, that was kept before a time."""
     from numba.core.caching import FunctionCache
 
     kept: Any = FunctionCache
-    newest = max(os.path.getmtime(inspect.getfile(part)) for part in _marked)
-    for part in _marked:
+    for part in {function, *_marked}:
         for index in Path(kept(part).cache_path).glob(f"*.{part.__name__}-*.nbi"):
             with suppress(FileNotFoundError):  # another process may have done so
-                if index.stat().st_mtime < newest:
+                if index.stat().st_mtime < before:
                     index.unlink()
 
 

@@ -1,4 +1,4 @@
-"""Writing files so that nothing is lost: the new content replaces the old at once, or not at all.
+"""Reading regular files, and writing so that nothing is lost: new content replaces the old at once, or not at all.
 
 Arrays are written so that files are the same, byte by byte, for the same content.
 """
@@ -9,6 +9,7 @@ import io
 import os
 import secrets
 import shutil
+import stat
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -30,6 +31,43 @@ _OWN = {"/dev/stdout": 1, "/dev/stderr": 2}
 def is_kept(path: Path) -> bool:
     """Return whether a file would be lost if it were written: not a stream, nor this process's own output."""
     return path.is_file() and str(path) not in _OWN
+
+
+def read_bytes(path: Path, most: int) -> bytes:
+    """Return what a regular file holds, `most` bytes of it at most.
+
+    Raises `InputError` for a file that cannot be read, that is longer, or that is a pipe or a device, which may
+    have no end.
+    """
+    name = repr(str(path))
+    try:
+        with open(path, "rb", opener=_without_waiting) as stream:
+            is_regular = stat.S_ISREG(os.fstat(stream.fileno()).st_mode)
+            content = stream.read(most + 1) if is_regular else b""
+    except OSError as error:
+        raise InputError(f"cannot read {name}: {error.strerror or error}") from None
+    except ValueError as error:  # a name may hold a null byte
+        raise InputError(f"cannot read {name}: {error}") from None
+    if not is_regular:
+        raise InputError(f"cannot read {name}: it is no regular file; save its content in one")
+    if len(content) > most:
+        raise InputError(f"{name} has over {most} bytes; nothing that is read here is as long")
+    return content
+
+
+def _without_waiting(path: str, flags: int) -> int:
+    """Open a file; a pipe whose other end nobody has opened is not waited for."""
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0), 0o666)
+
+
+def _write_stream(path: Path, content: bytes) -> None:
+    """Write to a pipe, a device or this process's own output."""
+    own = _OWN.get(str(path))
+    number = os.dup(own) if own is not None else _without_waiting(str(path), os.O_WRONLY)
+    with open(number, "wb") as stream:
+        if own is None and hasattr(os, "O_NONBLOCK"):
+            os.set_blocking(stream.fileno(), True)  # a reader is there, and may be slow
+        stream.write(content)
 
 
 def write_text(path: Path, content: str | bytes) -> None:
@@ -69,9 +107,8 @@ def write_texts(contents: Mapping[Path, str | bytes]) -> None:
             with _refusing(path):
                 os.replace(temporary, target)
         for path, whole in streams:  # a directory refuses by itself
-            own = _OWN.get(str(path))
-            with _refusing(path), open(path if own is None else os.dup(own), "wb") as stream:
-                stream.write(whole)
+            with _refusing(path):
+                _write_stream(path, whole)
 
 
 @contextmanager

@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from html import escape
 from typing import TypeVar
 
+from stickslip_sym.core.foreign import printable
+
 _PLAIN = 'class="mathjax_ignore tex2jax_ignore"'  # a dollar sign in a name starts no formula
 _LONGEST = 4000  # characters of a formula
 _ENDS = 5  # items that are shown at either end of a long list
-_NO_CHARACTER = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-"""What XML takes for no character: controls, and halves of pairs, as in names of files that are not UTF-8."""
 _SUBSCRIPT = re.compile(r"\b(mu|[a-zA-Z])_([a-zA-Z]|max|min|\d+)\b")
 _POWER = re.compile(r"(?:\*\*|\^)(-?[\d.]*\d)")
 _MINUS = re.compile(r"(?<![\w.])-(?=[\w(.<])|(?<= )-(?= )")
@@ -33,7 +33,7 @@ class Markup(str):
 
 def escaped(text: str, *, quote: bool = False) -> str:
     """Return text as it stands in markup; what is no character of XML becomes a replacement character."""
-    return escape(_NO_CHARACTER.sub("\ufffd", text), quote=quote)
+    return escape(printable(text, lines=True), quote=quote)
 
 
 def element(tag: str, /, *children: str, **attributes: str) -> Markup:
@@ -67,20 +67,20 @@ def formula(latex: str) -> Markup:
 
 def block(*parts: str) -> str:
     """Return paragraphs and tables, one below the other."""
-    inner = "".join(part if isinstance(part, Markup) else f"<p {_PLAIN}>{escape(part)}</p>" for part in parts)
+    inner = "".join(part if isinstance(part, Markup) else f"<p {_PLAIN}>{escaped(part)}</p>" for part in parts)
     return f"<div>{inner}</div>"
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]], *, caption: str = "") -> Markup:
     """Return rows under a header as a table; cells are plain text, or `Markup`."""
-    title = f"<caption {_PLAIN}>{escape(caption)}</caption>" if caption else ""
-    head = "".join(f"<th>{escape(name)}</th>" for name in header)
+    title = f"<caption {_PLAIN}>{escaped(caption)}</caption>" if caption else ""
+    head = "".join(f"<th>{escaped(name)}</th>" for name in header)
     body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in rows)
     return Markup(f"<table>{title}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>")
 
 
 def _cell(text: str) -> str:
-    return f"<td>{text}</td>" if isinstance(text, Markup) else f"<td {_PLAIN}>{escape(text)}</td>"
+    return f"<td>{text}</td>" if isinstance(text, Markup) else f"<td {_PLAIN}>{escaped(text)}</td>"
 
 
 Item = TypeVar("Item")

@@ -28,7 +28,7 @@ def process(code, line=""):
     return partial(subprocess.run, [sys.executable, "-c", code, *line.split()], capture_output=True, check=False)
 
 
-COMMAND = "from stickslip_sym.cli.program import main; main()"
+COMMAND = "from stickslip_sym.cli.start import main; main()"
 CALLS = {
     "one array of 1e5 speeds": {"closed form": partial(FORM, V=MANY, N=9.81), "numpy.exp": partial(np.exp, MANY)},
     "one value": {

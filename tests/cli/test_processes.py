@@ -1,11 +1,14 @@
 """The command as a process: interrupts, pipes, full disks, colours, completion."""
 
 import io
+import signal
+import sys
+import time
 from pathlib import Path
 
 import pytest
 from click.shell_completion import get_completion_class
-from commands import shell
+from commands import shell, started
 from rich.progress import Progress
 from systems import needs_posix_shell
 
@@ -125,3 +128,42 @@ def test_commands_say_how_far_they_are(line, texts, run, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     program.main(line.split(), standalone_mode=False)
     assert all(any(text in description for description in shown) for text in texts), shown
+
+
+@needs_posix_shell
+@pytest.mark.parametrize(
+    "closed", [">&-", *(pytest.param(name, marks=pytest.mark.thorough) for name in ("2>&-", "<&-"))]
+)
+def test_a_closed_stream_is_no_traceback(closed, tmp_path):
+    done = shell(f"$RUN laws {closed}", tmp_path)
+    expected = "error: cannot write the output: standard output is closed\n" if closed == ">&-" else ""
+    assert (done.returncode, done.stderr) == (1 if closed == ">&-" else 0, expected)
+
+
+@needs_posix_shell
+@pytest.mark.parametrize(
+    "seconds", [0.5, *(pytest.param(early, marks=pytest.mark.thorough) for early in (0.1, 0.2, 0.3, 0.8))]
+)
+def test_ctrl_c_while_the_command_begins_is_a_line(seconds, tmp_path):
+    """Not before: until Python has begun, the interrupt is Python's own."""
+    with started("derive", "exponential", cwd=tmp_path) as process:
+        time.sleep(seconds)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=60)
+    assert "Traceback" not in err or "site" in err
+    assert (process.returncode, out) == (130, "") or process.returncode in (0, -signal.SIGINT)
+
+
+@needs_posix_shell
+def test_sigterm_leaves_nothing_beside_the_target(tmp_path):
+    """The file is half written when the signal comes."""
+    (tmp_path / "half.py").write_text(
+        "import os, signal, sys\n"
+        "from stickslip_sym.cli import start\n"
+        "os.fsync = lambda _: signal.raise_signal(signal.SIGTERM)\n"
+        "sys.argv = ['stickslip', 'export', 'linear', '--save', 'law.json']\n"
+        "start.main()\n"
+    )
+    done = shell(f"{sys.executable} half.py", tmp_path)
+    assert done.returncode == 128 + signal.SIGTERM, done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["half.py"]

@@ -5,7 +5,7 @@ import pytest
 import stickslip_sym as ss
 from stickslip_sym.core.progress import listened_by, steps
 
-SCENE = ss.Oscillator(V=0.3, N=9.81, m=1, k=10, c=1)
+LAW, SCENE = ss.laws.exponential.typical(), ss.Oscillator(V=0.3, N=9.81, m=1, k=10, c=1)
 
 
 def said_by(function):
@@ -36,8 +36,6 @@ def test_an_error_that_is_kept_leaves_no_step_behind():
 
 def test_a_sweep_out_of_time_leaves_no_step_behind():
     with pytest.raises(ss.OutOfTime) as kept:
-        ss.basin_sweep(
-            ss.laws.exponential.typical(), SCENE, ("V", [0.3, 0.4]), x0=(-1, 1), v0=(0, 1), time_limit=0.001
-        )
+        ss.basin_sweep(LAW, SCENE, ("V", [0.3, 0.4]), x0=(-1, 1), v0=(0, 1), time_limit=0.001)
     assert kept.value.__traceback__ is not None
     assert said_by(two_steps) == [("a",), ("b",), ("b",)]

@@ -115,3 +115,42 @@ def test_a_pipe_is_written_into(tmp_path):
     with os.fdopen(reading) as pipe:
         assert pipe.read() == "sent"
     assert (tmp_path / "kept").read_text() == "kept"
+
+
+ENDLESS = [path for path in ("/dev/zero", "/dev/random", "PIPE") if path == "PIPE" or Path(path).exists()]
+
+
+@needs_modes
+@pytest.mark.parametrize("name", ENDLESS)
+def test_what_is_no_regular_file_is_refused_at_once(name, run, tmp_path):
+    """A device has no end, and a pipe that nobody writes into has no beginning."""
+    path = Path(name)
+    if name == "PIPE":
+        path = tmp_path / "pipe"
+        os.mkfifo(path)
+    for read in (ss.load, ss.read_measurements, ss.FrictionLaw.from_csv):
+        with pytest.raises(ss.InputError, match="it is no regular file; save its content in one"):
+            read(path)
+    for line in ("read", "damping linear --point", "study --from-csv"):
+        code, _, err = run(*line.split(), str(path))
+        assert code == 2
+        assert "it is no regular file" in err
+
+
+@needs_modes
+def test_a_pipe_without_a_reader_is_not_waited_for(tmp_path):
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    with pytest.raises(ss.InputError, match="cannot write"):
+        ss.save(ss.laws.linear, path)
+
+
+@pytest.mark.parametrize("length", [100, 101])
+def test_no_more_is_read_than_is_allowed(length, tmp_path):
+    path = tmp_path / "some"
+    path.write_bytes(b"x" * length)
+    if length == 100:
+        assert files.read_bytes(path, 100) == b"x" * 100
+    else:
+        with pytest.raises(ss.InputError, match="has over 100 bytes"):
+            files.read_bytes(path, 100)

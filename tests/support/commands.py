@@ -12,7 +12,7 @@ from systems import WINDOWS
 
 from stickslip_sym.cli import program
 
-_RUN = "from stickslip_sym.cli.program import main; main()"
+_RUN = "from stickslip_sym.cli.start import main; main()"
 
 
 def inside(*arguments, cwd="."):

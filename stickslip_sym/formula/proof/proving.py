@@ -19,7 +19,7 @@ from sympy.core.function import AppliedUndef
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.balls import ball, ball_function
+from stickslip_sym.core.balls import ball, ball_function, integrated
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.precision import refined
 from stickslip_sym.core.status import Status
@@ -262,5 +262,5 @@ def _integral(integral: Expr) -> acb:
             ends = [start, *(kink for kink in kinks_at(f, {}) if start < kink < end), end]
             for piece, (left, right) in zip(smooth_pieces(f, {}, ends), pairwise(ends), strict=True):
                 integrand = ball_function(piece, symbols.v, {})
-                total += acb.integral(integrand, ball(left), ball(right), eval_limit=_MOST_VALUES)
+                total += integrated(integrand, ball(left), ball(right), eval_limit=_MOST_VALUES)
     return total if limits[0] == low else -total

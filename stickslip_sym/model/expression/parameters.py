@@ -9,6 +9,7 @@ import sympy as sp
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.foreign import printable
 from stickslip_sym.core.numbers import fraction, require_type
 from stickslip_sym.core.remedies import Argument
 from stickslip_sym.model.expression.parsing import NAME, taken
@@ -45,6 +46,8 @@ class Parameter:
     def __post_init__(self) -> None:
         _check_name(self.name)
         require_type("meaning", self.meaning, str, "text")
+        object.__setattr__(self, "meaning", printable(self.meaning))
+        require_type("typical", self.typical, str | None, "decimal text")
         require_type("positive", self.positive, bool, "True or False")
         if self.unit is not None:
             parse_unit(self.unit)

@@ -16,14 +16,17 @@ import numpy as np
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.foreign import printable
 from stickslip_sym.core.remedies import Argument
 from stickslip_sym.model.measured.columns import EXPECTED, Column, choose_columns, is_header, read_unit
+from stickslip_sym.output.files import read_bytes
 
 SEPARATORS = "\t;|, "
 """What separates columns, by preference: a comma may also be a decimal sign, and blanks may stand in a name."""
 _PARTED = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks"}
 MOST_ROWS = 1_000_000  # of a file; a longer one is refused before its numbers are read
 _PRECISION = 40  # digits in which units are converted, beyond those of a double
+_LARGEST = 200 * MOST_ROWS  # bytes of a file: those of a row with a dozen columns
 _LONGEST = 10_000  # characters of a line
 _LOOKED_AT = 400  # lines, of which most look alike: enough to tell how a file is written
 _COMMENT = re.compile(r"^\s*([#%!]|//)\s*")
@@ -119,7 +122,7 @@ class _Line(NamedTuple):
 def read_table(path: Path, chosen: Mapping[str, str | int], radius: Fraction | None, *, leave_out: bool) -> Table:
     """Return the columns of a text file that hold measurements, or refuse it with line and column."""
     name = repr(str(path))
-    texts = _text(path).replace("\N{MINUS SIGN}", "-").splitlines()
+    texts = printable(_text(path), lines=True).replace("\N{MINUS SIGN}", "-").splitlines()
     for number, text in enumerate(texts, 1):
         if len(text) > _LONGEST:
             raise InputError(f"{name}, line {number}: it has {len(text)} characters; a row is a line of its own")
@@ -143,10 +146,7 @@ def read_table(path: Path, chosen: Mapping[str, str | int], radius: Fraction | N
 
 
 def _text(path: Path) -> str:
-    try:
-        content = path.read_bytes()
-    except (OSError, ValueError) as error:  # a name may hold a null byte
-        raise InputError(f"cannot read {str(path)!r}: {getattr(error, 'strerror', None) or error}") from None
+    content = read_bytes(path, _LARGEST)
     if kind := _WORKBOOKS.get(content[:4]):
         raise InputError(f"{str(path)!r} is a workbook ({kind}), not a text file; save the sheet as CSV")
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):

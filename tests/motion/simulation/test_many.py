@@ -1,6 +1,9 @@
 """Many initial conditions: each motion is the one that `simulate` and `classify` give for it alone."""
 
 import csv
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -74,3 +77,38 @@ def test_a_time_limit_keeps_the_batches_that_are_done(law, monkeypatch):
     assert late.x[left] == pytest.approx(x0[left], abs=1e-12)
     assert late.x[~left] == pytest.approx(whole.x[~left], abs=AGREES * osc.length)
     assert np.array_equal(late.sticks[~left], whole.sticks[~left])
+
+
+DAMAGES = {"empty": b"", "text": b"no machine code", "bytes": bytes(range(256)) * 40, "half": None}
+IN_DEFAULT = {("half", "nbi")}
+
+
+@pytest.mark.parametrize(
+    ("damage", "suffix"),
+    [
+        pytest.param(damage, suffix, marks=[] if (damage, suffix) in IN_DEFAULT else pytest.mark.thorough)
+        for damage in DAMAGES
+        for suffix in ("nbi", "nbc")
+    ],
+)
+def test_damaged_machine_code_is_made_again(damage, suffix, tmp_path):
+    """Another process damages what the first one kept; the third one reads what the second one made."""
+    pytest.importorskip("numba")
+    (tmp_path / "twice.py").write_text(
+        "from stickslip_sym.motion.compiled import compilable, compiled\n"
+        "@compilable\ndef half(x):\n    return x / 2\n"
+        "def quarter(x):\n    return half(half(x))\n"
+        "print(compiled(quarter)(1.0))\n"
+    )
+    line = [sys.executable, "twice.py"]
+    kept_in = {"NUMBA_CACHE_DIR": str(tmp_path / "kept"), "PYTHONPATH": os.pathsep.join(sys.path)}
+    for turn in range(3):
+        done = subprocess.run(
+            line, cwd=tmp_path, env=os.environ | kept_in, capture_output=True, text=True, timeout=120, check=False
+        )
+        assert (done.stdout, done.returncode) == ("0.25\n", 0), done.stderr
+        kept = list((tmp_path / "kept").rglob(f"*.{suffix}"))
+        assert kept
+        for path in kept if turn == 0 else ():
+            content = DAMAGES[damage]
+            path.write_bytes(path.read_bytes()[: path.stat().st_size // 2] if content is None else content)

@@ -1,0 +1,39 @@
+"""Where the command begins: it imports nothing heavy, so that Ctrl-C in the first second ends it in a line."""
+
+import os
+import signal
+import sys
+from types import FrameType
+from typing import NoReturn
+
+_SIGNALLED = 128
+"""What shells add to the number of a signal, for the exit code of what it ended."""
+
+
+def main() -> None:
+    """Run the command line."""
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w")  # noqa: SIM115  # for as long as the process runs
+    if sys.stdout is None:
+        sys.exit("error: cannot write the output: standard output is closed")
+    heard = signal.getsignal(signal.SIGINT)
+    if heard is signal.default_int_handler:
+        # An exception within an import may be caught there, or leave the module half made.
+        signal.signal(signal.SIGINT, _leave)
+    from stickslip_sym.cli import program
+
+    if heard is signal.default_int_handler:
+        signal.signal(signal.SIGINT, heard)
+    signal.signal(signal.SIGTERM, _end)
+    program.main()
+
+
+def _leave(number: int, frame: FrameType | None) -> NoReturn:
+    """End at once: nothing has begun that would have to be put in order."""
+    os.write(2, b"interrupted\n")
+    os._exit(_SIGNALLED + number)
+
+
+def _end(number: int, frame: FrameType | None) -> NoReturn:
+    """End by an exception, so that files which are half written are removed."""
+    raise SystemExit(_SIGNALLED + number)
