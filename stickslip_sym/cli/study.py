@@ -14,7 +14,7 @@ from stickslip_sym.cli.reading import points, reading_of
 from stickslip_sym.core.errors import InputError
 
 _PAGE, _PAGES = "study.html", (".html", ".htm", ".xhtml")
-_SECONDS = 20.0  # for the exact thresholds of a page with sliders
+_SECONDS = 20.0  # for the criteria of a page with sliders
 
 
 @options.command(
@@ -37,6 +37,7 @@ def run(given: Given) -> None:
     Example: stickslip study exponential -V 0.5 -c 2.3 -p mu_s=0.50+/-0.02 -o study.html --pdf study.pdf
     """
     from stickslip_sym.comparison.explorer import explorer
+    from stickslip_sym.motion.margins.margins import carried_by
     from stickslip_sym.output.browser import require_browser
     from stickslip_sym.output.drawing import require_matplotlib
     from stickslip_sym.output.files import write_text
@@ -88,8 +89,13 @@ def run(given: Given) -> None:
                 study.print(paper)
                 written.append(f"{paper}: the same, printed")
         if sliders is not None:
-            with under_way("exact thresholds for the page with sliders"):
-                explored = explorer(point.law, osc, title=name or "", time_limit=limit or _SECONDS)
+            with under_way("the page with sliders"):
+                best = fits.best if fits is not None else None
+                explored = explorer(
+                    point.law if best is None else best.law.bind(**best.uncertain), osc, title=name or "",
+                    errors=carried_by(osc, point.texts), measured=measured if best is None else best.measured,
+                    time_limit=limit or _SECONDS,
+                )  # fmt: skip
             write_text(sliders, explored)
             written.append(f"{sliders}: {len(explored) / 1000:.0f} kB, with sliders")
             contents[-1]["explorer"] = sliders

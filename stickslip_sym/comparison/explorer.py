@@ -1,121 +1,177 @@
 """An explorer in one file: a page with sliders for the operating point and the law, computed in the browser.
 
-Criteria are their exported code, or for measured points a table over V; mu is the law's own formula. Motions are
-integrated in the page. Exact thresholds cannot be computed there: they are a polynomial in log V and log N that is
-made beforehand for the law's own parameters, and its error at other points is stated.
+Criteria are their exported code, or for measured points a table over V; mu is the law's own formula. The
+threshold is computed in the page as well: it follows the slip that begins where a stick phase ends, for what the
+sliders say.
 """
 
 import json
-import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.polynomial import chebyshev
+import sympy as sp
+from uncertainties import UFloat, covariance_matrix
 
 from stickslip_sym.core import deadline, symbols
-from stickslip_sym.core.aliases import FloatArray
-from stickslip_sym.core.errors import InputWarning, StickSlipError
+from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.functions import row
 from stickslip_sym.core.numbers import SAME
 from stickslip_sym.criteria.criterion import Criterion, catalogue
 from stickslip_sym.formula.code import writer
 from stickslip_sym.formula.code.languages import LANGUAGES
+from stickslip_sym.formula.evaluation.term_sum import TermSum
 from stickslip_sym.formula.slope_average import slope_average
+from stickslip_sym.model.expression.parameters import Parameter
+from stickslip_sym.model.expression.pieces import places
+from stickslip_sym.model.expression.slope import slope_of
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.model.negative import warn_where_negative
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.averages import slope_mean
-from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 from stickslip_sym.output.markup import Markup
 from stickslip_sym.output.page.render import now, render
 
 _TEMPLATE = Path(__file__).with_name("explorer.html")
-_SCRIPT = Path(__file__).with_name("explorer.js")
+_SCRIPTS = [Path(__file__).with_name(name) for name in ("slip.js", "explorer.js")]
 _RANGE = 5.0  # times a value, and its inverse, that a slider reaches
-_DEGREES = 20, 8  # of the polynomial of exact thresholds, in log V and log N
-_TRIED = 20  # other points at which it is held against exact thresholds
-_RTOL = 1e-6  # of these
 _ROWS = 500  # of a table of slope averages over log V
-_SEED = 1785
+_MOST_POINTS = 2000  # measured ones that are drawn
 _LONGEST_TITLE = 80  # characters
+_SIGNS = {"V": "positive", "N": "nonnegative", "m": "positive", "k": "positive"}
+"""What Python requires of the operating point."""
 
 
-def explorer(law: FrictionLaw, osc: Oscillator, *, title: str = "", time_limit: float | None = None) -> str:
+def explorer(
+    law: FrictionLaw,
+    osc: Oscillator,
+    *,
+    title: str = "",
+    errors: Mapping[str, UFloat] | None = None,
+    measured: Measurements | None = None,
+    time_limit: float | None = None,
+) -> str:
     """Return the page: HTML with its own script, which refers to nothing elsewhere.
 
     Parameters
     ----------
     law : FrictionLaw
-        With all parameters bound; sliders begin at these values.
+        With all parameters bound; sliders begin at these values, and their standard errors give the threshold one.
     osc : Oscillator
     title : str
         By default the law's name, or its formula.
+    errors : mapping of str to number with a standard error, optional
+        Of V, N, m and k.
+    measured : Measurements, optional
+        Points that are drawn beside the law.
     time_limit : float, optional
-        Seconds for the table of exact thresholds.
+        Seconds for the branches of the criteria.
 
     Raises
     ------
     InputError
-        If the law or a criterion cannot be written as JavaScript, or jinja2 is not installed.
+        If the law cannot be written as JavaScript, or jinja2 is not installed.
+    OutOfTime
+        If the criteria are not written within the time limit.
     """
     warn_where_negative(law.kinetic, osc.V)
     law.require_speed(2 * osc.V)
     fixed = {str(symbol) for symbol in writer.shapes_of(law)}
     values = {name: float(value) for name, value in law.values.items()}
-    sliders = {name: _slider(name, getattr(osc, name), symbols.QUANTITIES[name]) for name in "VNmk"}
-    sliders |= {name: _slider(name, values[name], p) for name, p in law.parameters.items() if name not in fixed}
+    moved = {name: parameter for name, parameter in law.parameters.items() if name not in fixed}
+    sliders = [_slider_of_quantity(name, getattr(osc, name)) for name in _SIGNS]
+    sliders += [_slider_of_parameter(parameter, values[name]) for name, parameter in moved.items()]
     if law.v_max is not None:
-        sliders["V"]["high"] = min(sliders["V"]["high"], float(law.v_max) / 2)
-    names = {symbols.v: "v"} | {p.symbol: f"p[{i}]" for i, p in enumerate(law.parameters.values())}
-    formulas = {"mu": law.expr, "mu_static": law.static_expr, "slope": law.slope_expr}
-    code = "".join(
-        f"function {name}(v, p) {{\n  return {writer.text_of(expr, names, LANGUAGES['javascript'])};\n}}\n"
-        for name, expr in formulas.items()
-    )
+        sliders[0]["most"] = float(law.v_max) / 2
+        sliders[0]["high"] = min(sliders[0]["high"], sliders[0]["most"])
+
     averages = {name: criterion for name, criterion in catalogue.items() if criterion.weight is not None}
-    written = (
-        {}
-        if law.curve is not None
-        else {name: slope_average(law, criterion) for name, criterion in averages.items()}
-    )
-    exact, reason = _exact(law, osc, sliders, time_limit)
+    written: dict[str, TermSum] = {}
+    tables: dict[str, list[float]] = {}
+    missing: dict[str, str] = {}
+    with deadline.time_limit(time_limit):
+        for name, criterion in averages.items():
+            if law.curve is not None:
+                tables[name] = _table(law, criterion, sliders[0])
+                continue
+            try:
+                written[name] = _writable(slope_average(law, criterion))
+            except InputError as refusal:
+                missing[name] = str(refusal)
+
+    uncertain = {
+        name: value
+        for name, value in {**law.uncertain, **(errors or {})}.items()
+        if name in _SIGNS or name in moved
+    }
     data = {
-        "sliders": list(sliders.values()),
+        "sliders": sliders,
         "c": osc.c,
         "parameters": {name: values[name] for name in law.parameters},
         "criteria": {
             name: [key for key in average.arguments if key not in fixed] for name, average in written.items()
         },
-        "tables": {
-            name: _table(law, criterion, sliders["V"])
-            for name, criterion in averages.items()
-            if name not in written
-        },
-        "exact": exact,
+        "tables": tables,
+        "covariance": {"names": list(uncertain), "matrix": covariance_matrix(list(uncertain.values()))},
+        "measured": _points(measured),
     }
     if written:
         functions = {f"damping_{name}": (average, "") for name, average in written.items()}
-        code = writer.code(functions, "javascript") + code
+        criteria_code = writer.code(functions, "javascript")
     else:
-        code = LANGUAGES["javascript"].page["head"].replace("$about\n", "") + code
-    own = title or law.name or law.text
+        criteria_code = LANGUAGES["javascript"].page["head"].replace("$about\n", "")
+    own_name = title or law.name or law.text
+    short_name = own_name if len(own_name) <= _LONGEST_TITLE else f"{own_name[: _LONGEST_TITLE - 1]}…"
+    page_script = "".join(script.read_text(encoding="utf-8") for script in _SCRIPTS)
     return render(
         _TEMPLATE,
-        title=f"Stick–slip explorer: {own if len(own) <= _LONGEST_TITLE else f'{own[: _LONGEST_TITLE - 1]}…'}",
+        title=f"Stick–slip explorer: {short_name}",
         law=law.text if law.curve is None else str(law.curve),
-        reason=reason,
-        error=exact and exact["error"],
-        script=Markup(f"<script>\n{_harmless(code)}{_constant(data)}{_SCRIPT.read_text()}</script>"),
+        missing=missing,
+        uncertain=", ".join(uncertain),
+        banded=any(name in moved for name in uncertain),
+        measured=measured is not None,
+        script=Markup(
+            f"<script>\n{_harmless(criteria_code + _law_code(law))}{_constant(data)}{page_script}</script>"
+        ),
         time=now(),
     )
 
 
-def _slider(name: str, value: float, described: Any) -> dict[str, Any]:
+def _writable(average: TermSum) -> TermSum:
+    """Return a criterion, or refuse one that cannot be written as JavaScript."""
+    writer.code({"damping": (average, "")}, "javascript")
+    return average
+
+
+def _slider(name: str, value: float, unit: str | None, meaning: str, sign: str) -> dict[str, Any]:
     """Return a slider that is logarithmic about a positive value, and else linear."""
     low, high = (value / _RANGE, value * _RANGE) if value > 0 else (value - 1.0, value + 1.0)
-    unit = "" if described.unit in (None, "1") else described.unit
-    return {"name": name, "value": value, "low": low, "high": high, "unit": unit, "meaning": described.meaning}
+    if sign and value == 0:
+        low = 0.0
+    shown_unit = "" if unit in (None, "1") else unit
+    return {
+        "name": name,
+        "value": value,
+        "low": low,
+        "high": high,
+        "unit": shown_unit,
+        "meaning": meaning,
+        "sign": sign,
+    }
+
+
+def _slider_of_quantity(name: str, value: float) -> dict[str, Any]:
+    quantity = symbols.QUANTITIES[name]
+    return _slider(name, value, quantity.unit, quantity.meaning, _SIGNS[name])
+
+
+def _slider_of_parameter(parameter: Parameter, value: float) -> dict[str, Any]:
+    sign = "nonnegative" if parameter.positive else ""
+    return _slider(parameter.name, value, parameter.unit, parameter.meaning, sign)
 
 
 def _table(law: FrictionLaw, criterion: Criterion, slider: Mapping[str, Any]) -> list[float]:
@@ -124,31 +180,60 @@ def _table(law: FrictionLaw, criterion: Criterion, slider: Mapping[str, Any]) ->
     return [float(mean) for mean in slope_mean(law.kinetic, criterion, V)]
 
 
-def _exact(
-    law: FrictionLaw, osc: Oscillator, sliders: Mapping[str, Mapping[str, Any]], time_limit: float | None
-) -> tuple[dict[str, Any] | None, str]:
-    """Return Chebyshev coefficients of c/N in log V and log N; None, and why, where some threshold is missing."""
-    degrees = np.array(_DEGREES)
-    x, y = (chebyshev.chebpts1(degree + 1) for degree in _DEGREES)
-    points = np.stack([np.repeat(x, len(y)), np.tile(y, len(x))])
-    tried = np.random.default_rng(_SEED).uniform(-1, 1, (2, _TRIED))
-    ends = [np.log([sliders[name]["low"], sliders[name]["high"]]) for name in "VN"]
+def _points(measured: Measurements | None) -> list[list[float]]:
+    """Return measured slip speeds and coefficients, evenly thinned where they are very many."""
+    if measured is None:
+        return [[], []]
+    v, mu = np.asarray(measured.v, np.float64), np.asarray(measured.mu, np.float64)
+    every = -(-len(v) // _MOST_POINTS)
+    return [v[::every].tolist(), mu[::every].tolist()]
 
-    def over_N(at: FloatArray) -> FloatArray:
-        V, N = (np.exp(np.mean(both) + row * np.ptp(both) / 2) for both, row in zip(ends, at, strict=True))
-        return np.asarray(pure_slip_damping(law, V=V, N=N, m=osc.m, k=osc.k, rtol=_RTOL).value / N)
 
-    try:
-        with deadline.time_limit(time_limit), warnings.catch_warnings():
-            warnings.simplefilter("ignore", InputWarning)  # the page begins at the operating point, not there
-            computed, held = over_N(points), over_N(tried)
-    except StickSlipError as error:
-        return None, str(error)
-    columns = chebyshev.chebvander2d(points[0], points[1], _DEGREES)
-    coefficients = np.linalg.lstsq(columns, computed, rcond=None)[0]
-    misses = np.abs(chebyshev.chebvander2d(tried[0], tried[1], _DEGREES) @ coefficients - held)
-    error_of_largest = float(np.max(misses) / np.max(np.abs(held)))
-    return {"coefficients": coefficients.reshape(degrees + 1).tolist(), "error": error_of_largest}, ""
+# -- the law as JavaScript ---------------------------------------------------------------------------
+
+
+def _law_code(law: FrictionLaw) -> str:
+    """Return mu, its slope, its static value, and where it varies quickly: functions of v and the parameters."""
+    names = {symbols.v: "v"} | {p.symbol: f"p[{i}]" for i, p in enumerate(law.parameters.values())}
+
+    def text(expr: Expr) -> str:
+        return writer.text_of(expr, names, LANGUAGES["javascript"])
+
+    formulas = {"mu": law.expr, "mu_static": law.static_expr, "slope": law.slope_expr}
+    functions = [f"function {name}(v, p) {{\n  return {text(expr)};\n}}\n" for name, expr in formulas.items()]
+    kinks = ", ".join(text(place) for place in places(law.expr))
+    functions.append(f"function kinks(p) {{\n  return [{kinks}];\n}}\n")
+    # The pieces of a measured curve meet with the same slope: the error of a step sees such a place.
+    functions.append(f"const SLOPES_MEET = {'true' if law.curve is not None else 'false'};\n")
+    inner = [
+        f"{{value: (v, p) => {text(expr)}, slope: (v, p) => {text(slope_of(expr))}, is_base: {is_base}}}"
+        for expr, is_base in _inner_functions(law)
+    ]
+    functions.append(f"const inner_functions = [{', '.join(inner)}];\n")
+    return "".join(functions)
+
+
+def _inner_functions(law: FrictionLaw) -> Iterator[tuple[Expr, str]]:
+    """Yield what stands in functions, and the bases of powers: near their zeros and turning points mu varies.
+
+    The text says in JavaScript whether it is a base, which changes over its own size; an argument changes over 1.
+    """
+    if law.curve is not None:
+        return
+    seen: set[Expr] = set()
+    for node in sp.preorder_traversal(law.expr):
+        if node.is_Pow and not (node.exp.is_Integer and node.exp > 0):
+            found = [(node.base, "true")]
+        elif isinstance(node, sp.log):
+            found = [(node.args[0], "true")]
+        elif row(node) is not None and not isinstance(node, sp.Piecewise | sp.Min | sp.Max):
+            found = [(part, "false") for part in node.args]
+        else:
+            continue
+        for inner, is_base in found:
+            if inner.has(symbols.v) and inner != symbols.v and inner not in seen:
+                seen.add(inner)
+                yield inner, is_base
 
 
 def _constant(data: Mapping[str, Any]) -> str:
