@@ -102,6 +102,12 @@ class Piece(NamedTuple):
         place = (2 * x - self.low - self.high) / (self.high - self.low)
         return float(evaluate(self.coefficients, np.asarray(place)))
 
+    def side(self, level: float) -> int:
+        """Return 1 where the coefficients show that the polynomial lies above a value, -1 below, else 0."""
+        off = float(self.coefficients[0]) - level
+        is_clear = abs(off) > float(np.abs(self.coefficients[1:]).sum()) + self.error
+        return int(math.copysign(1, off)) if is_clear else 0
+
     @property
     def turns(self) -> list[Turn]:
         """Both ends, and the arguments between them at which the slope vanishes."""
@@ -134,6 +140,19 @@ class Resolved:
         """Return the value at an argument, or where there is no piece that at the end of the piece before."""
         piece = self.pieces[max(bisect_right(self._lows, x) - 1, 0)]
         return piece.at(min(max(x, piece.low), piece.high))
+
+    def side(self, level: float) -> int:
+        """Return 1 where the coefficients show that the function lies above a value, -1 below, else 0."""
+        sides = {piece.side(level) for piece in self.pieces}
+        return sides.pop() if len(sides) == 1 and not self.open else 0
+
+    def between(self, low: float, high: float) -> "Resolved":
+        """Return the same between two edges, as a function of the distance from the first."""
+        pieces = [
+            one._replace(low=one.low - low, high=one.high - low) for one in self.pieces if low <= one.low < high
+        ]
+        left = [one._replace(low=one.low - low, high=one.high - low) for one in self.open if low <= one.low < high]
+        return Resolved(tuple(pieces), tuple(left), self.rtol)
 
     @cached_property
     def _lows(self) -> list[float]:

@@ -2,9 +2,8 @@
 
 As in `regime`, the slip from P returns exactly where c lies below the exact threshold. The damping d(A) that a
 slip orbit of amplitude A V needs gives every slip cycle as a root of d(A) = c, stable where d falls; d(0) is the
-equilibrium's threshold. Where many cells differ in c alone, d is resolved by polynomials, and no cycle is missed.
-Elsewhere the gap of the halves of an orbit decides, of the sign of d(A) - c, at amplitudes that are halved until
-it is twice as large as it bends between them. That rests on samples: cycles of a narrow wave of d may be missed.
+equilibrium's threshold. It is resolved by polynomials, so no cycle is missed; where that fails, or takes longer
+than its share of the time, the cells are followed one by one.
 
 A law with mu(0+) = 0 holds no mass. Where the slip from P returns then, motions go out to one that overtakes the
 belt each round, since damping and friction bring those far out back in.
@@ -16,33 +15,29 @@ from contextlib import suppress
 from dataclasses import replace
 from enum import Enum
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
-from stickslip_sym.core.deadline import check_time
+from stickslip_sym.core.deadline import check_time, time_left, time_limit
 from stickslip_sym.core.errors import NO_RESULT, OutOfTime, StickSlipError
 from stickslip_sym.core.numbers import SAME
 from stickslip_sym.criteria.criterion import least_squares
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.model.table import Rise
-from stickslip_sym.motion.compiled import compilable
 from stickslip_sym.motion.kernel.data import ADDED, End
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.orbits.damping import needed_damping
-from stickslip_sym.motion.orbits.needed import SIGNS, needed_all, sure_gap
+from stickslip_sym.motion.orbits.damping import NEAREST, needed_damping, resolve_together
+from stickslip_sym.motion.orbits.needed import SIGNS, needed_all
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
 from stickslip_sym.motion.regimes.overtaking import reaches, rounds_outside
 from stickslip_sym.motion.regimes.regime import regime
-from stickslip_sym.motion.roots import NEAREST, OrbitSigns, orbit_signs
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.thresholds.averages import slope_mean
 
 LATE = "not reached: time limit, or Ctrl-C"
-_SHARED = 16  # cells that differ in c alone, from which resolving d takes no longer than their gaps
 CURVES = {
     "equilibrium": ("threshold of the equilibrium", ":", "black"),
     "least_squares": ("least-squares criterion", "--", "#0072B2"),
@@ -52,6 +47,7 @@ CURVES = {
 
 
 _ROUGH = 1e-7  # tolerance of the steps along which rounds are resolved; what they leave open is followed
+_CONFIRMED = 100  # cells, of which one is decided by following motions too
 _INWARD = 3  # rounds that many cells are followed for, from where cycles that overtake may be, on the way in
 
 
@@ -114,31 +110,31 @@ def decide(law: FrictionLaw, rtol: float, points: Mapping[str, FloatArray]) -> C
     cells = Cells.unknown(len(points["c"]))
     names = [name for name in points if name in law.parameters]
     bound = cache(lambda *values: law.bind(**dict(zip(names, values, strict=True))))
+    confirmed = np.arange(len(points["c"]))[::-_CONFIRMED]
     kinds, kind = np.unique([points[name] for name in ("V", *names)], axis=1, return_inverse=True)
     for i, (V, *values) in enumerate(kinds.T.tolist()):
         rows = np.flatnonzero(kind.ravel() == i)
         try:
             check_time()
-            decider = _Decider(bound(*values), V, {name: points[name][rows] for name in "Nmkc"}, rtol)
-            cells.put(rows, decider.cells())
+            seconds = time_left() / (len(kinds.T) - i)
+            some = {name: points[name][rows] for name in "Nmkc"}
+            decider = _Decider(bound(*values), V, some, rtol, seconds if seconds < math.inf else None)
+            cells.put(rows, decider.cells(np.flatnonzero(np.isin(rows, confirmed))))
         except StickSlipError as error:
             cells.put(rows, error)
     return cells
 
 
-@compilable
-def _gaps_all(rise: Rise, columns: Any, rtol: float, rows: Any) -> None:
-    """Find the gaps of orbits, of the sign of the needed damping ratio minus the one there is."""
-    eta, zeta, A = columns
-    for i in range(len(A)):
-        rows[i, 0] = sure_gap(rise, eta[i], zeta[i], 0.0, A[i], rtol).value
-
-
 class _Decider:
-    """Decides cells of one law and belt speed; dampings are damping ratios here."""
+    """Decides cells of one law and belt speed; dampings are damping ratios here.
 
-    def __init__(self, law: FrictionLaw, V: float, points: Mapping[str, FloatArray], rtol: float) -> None:
-        self.law, self.points, self.rtol = law, points, rtol
+    - `seconds`: the share of the time of these cells.
+    """
+
+    def __init__(
+        self, law: FrictionLaw, V: float, points: Mapping[str, FloatArray], rtol: float, seconds: float | None
+    ) -> None:
+        self.law, self.points, self.rtol, self.seconds = law, points, rtol, seconds
         self.system = Dimensionless.of(law.bound, self._oscillator(V, 0))
         self.table, self.N = self.system.table, points["N"]
         impedance = np.sqrt(points["k"]) * np.sqrt(points["m"])
@@ -158,8 +154,24 @@ class _Decider:
     def _oscillator(self, V: float, i: int) -> Oscillator:
         return Oscillator(V=V, **{name: float(column[i]) for name, column in self.points.items()})
 
-    def cells(self) -> Cells:
-        """Decide the cells."""
+    def cells(self, confirmed: IntArray) -> Cells:
+        """Decide the cells; where one of those that are confirmed is found to be wrong, follow them all."""
+        cells, known = self._compared()
+        left = ~known
+        for i in confirmed[known[confirmed]].tolist():
+            followed = Cells.unknown(known.size)
+            self._follow(followed, i)
+            if followed.motion[i] is Motion.UNDECIDED:
+                continue
+            agrees = followed.motion[i] is cells.motion[i] or cells.motion[i] is Motion.UNDECIDED
+            if not agrees or (followed.attractors[:, i] != cells.attractors[:, i]).any():
+                left |= cells.reason != Reason.TOLERANCE
+        for i in np.flatnonzero(left).tolist():
+            self._follow(cells, i)
+        return cells
+
+    def _compared(self) -> tuple[Cells, BoolArray]:
+        """Decide the cells by comparisons, and return which of them are known."""
         zeta, exact, equilibrium = self.zeta, self.exact, self.equilibrium
         largest = np.nan_to_num(np.fmax(np.abs(exact), np.abs(equilibrium)))
         margin = self.rtol * largest + np.nan_to_num(self.error)
@@ -167,8 +179,8 @@ class _Decider:
         returns, rest = zeta < exact, zeta > equilibrium
         held, escapes, known = self._after_return(returns)
         known &= np.isfinite(exact + equilibrium)
-        cycle, stable, left_open = self._cycles(zeta < equilibrium)
-        known[[i for i, _, _ in left_open]] = False
+        cycle, stable, unsure = self._cycles(zeta < equilibrium)
+        known &= ~unsure
         self._overtaking(known & ~near & (held | ~returns), stable, known)
         signs = Signs(rest=rest, falls=stable, returns=returns & ~escapes, held=held)
         cells = Cells.unknown(zeta.size)
@@ -191,9 +203,7 @@ class _Decider:
         for i in np.flatnonzero(near).tolist():
             off = f"within {margin[i] * self.ratio[i]:.1e} kg/s of a threshold"
             cells.notes[i] = f"c = {self.points['c'][i]:.12g} is {off}"
-        for i in np.flatnonzero(~(near | known)).tolist():
-            self._follow(cells, i)
-        return cells
+        return cells, near | known
 
     def _after_return(self, returns: BoolArray) -> tuple[BoolArray, BoolArray, BoolArray]:
         """Tell where the motion from x = 0, x' = V sticks for good, where it grows without bound, and where known.
@@ -237,29 +247,47 @@ class _Decider:
             stable[i] |= -2 in np.diff(rounds.growth)
             known[i] = "open" not in [mark.kind for mark in rounds.marks]
 
-    def _cycles(self, grows_at_rest: BoolArray) -> OrbitSigns:
-        """Return which cells have limit cycles in pure slip."""
-        _, oscillator, count = np.unique(self.eta, return_inverse=True, return_counts=True)
-        alone = np.flatnonzero(count[oscillator] < _SHARED)
-        signs = orbit_signs(lambda row, A: self._gaps(alone[row], A), grows_at_rest[alone])
-        cycle, stable = np.zeros((2, self.zeta.size), dtype=bool)
-        cycle[alone], stable[alone] = signs.cycle, signs.stable
-        left_open = [(int(alone[row]), low, high) for row, low, high in signs.open]
-        for i in np.flatnonzero(count >= _SHARED).tolist():
-            rows = np.flatnonzero(oscillator == i)
-            need = needed_damping(self.law, self._oscillator(self.system.V, int(rows[0])))
-            cycle[rows], stable[rows], unsure = need.signs(2 * self.zeta[rows], grows_at_rest[rows])
-            left_open += [(row, NEAREST, 1.0) for row in rows[unsure].tolist()]
-        return OrbitSigns(cycle, stable, left_open)
+    def _cycles(self, grows_at_rest: BoolArray) -> tuple[BoolArray, BoolArray, BoolArray]:
+        """Return which cells have limit cycles in pure slip, which a stable one, and of which it is not known."""
+        growth = self._growth_of_all()
+        cycle, stable, unsure = np.zeros((3, self.zeta.size), dtype=bool)
+        # Where all orbits grow, or shrink, while those about rest do not, there is a cycle that is smaller.
+        cycle[:] = (growth != 0) & ((growth > 0) != grows_at_rest)
+        stable[:] = cycle & grows_at_rest
+        groups = self._alike(np.flatnonzero(growth == 0))
+        needs = [needed_damping(self.law, self._oscillator(self.system.V, int(rows[0]))) for rows in groups]
+        try:
+            with time_limit(self.seconds):
+                resolve_together(needs)
+        except OutOfTime:
+            check_time()  # raises if it was the limit on all
+            unsure[growth == 0] = True
+            return cycle, stable, unsure
+        for rows, need in zip(groups, needs, strict=True):
+            cycle[rows], stable[rows], unsure[rows] = need.signs(2 * self.zeta[rows], grows_at_rest[rows])
+        return cycle, stable, unsure
 
-    def _gaps(self, cell: IntArray, A: FloatArray) -> FloatArray:
-        """Return gaps, cut at -1 and 1, by the numbers of cells; NaN where the sign is not known."""
-        rows = np.empty((cell.size, 1))
-        self.system.spread(_gaps_all, (self.eta[cell], self.zeta[cell], A), (SIGNS,), rows, few=0)
+    def _alike(self, rows: IntArray) -> list[IntArray]:
+        """Return some cells, those that differ in c alone together."""
+        _, oscillator = np.unique(self.eta[rows], return_inverse=True)
+        return [rows[oscillator == i] for i in range(oscillator.max(initial=-1) + 1)]
+
+    def _growth_of_all(self) -> IntArray:
+        """Return 1 where one swing shows that all slip orbits grow, -1 where they shrink, and 0 elsewhere."""
+        w = np.array([0.0, 1 - NEAREST])
+        zeta, eta = self.zeta[:, None], self.eta[:, None]
+        rise = np.array([self.table.rise(self.system.V * speed) for speed in w.tolist()])
+        begin = 2 * zeta * w + eta * (self.table.onset + rise - self.table.static)
+        slips = self.system.slips(
+            begin.ravel(), np.tile(w, self.zeta.size), ratios=(np.repeat(self.eta, 2), np.repeat(self.zeta, 2)),
+            until=End.MINIMUM, rtol=SIGNS, few=0,
+        )  # fmt: skip
         check_time()
-        unsure = 2 * math.pi * self.error[cell]  # of weak friction all gaps are small
-        gaps = rows[:, 0]
-        return np.where(np.abs(gaps) < unsure, math.nan, np.clip(gaps, -1.0, 1.0))
+        end, least = slips.end.reshape(-1, 2), slips.w.reshape(-1, 2)
+        growth = np.zeros(self.zeta.size, dtype=np.intp)
+        growth[(end[:, 0] == End.MINIMUM) & (1 - least[:, 0] <= NEAREST)] = -1
+        growth[np.isin(end[:, 1], (End.RETURN, End.OUTSIDE)) & (self.zeta < self.equilibrium)] = 1
+        return growth
 
     def _follow(self, cells: Cells, i: int) -> None:
         """Decide one cell by following motions."""

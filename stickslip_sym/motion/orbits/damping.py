@@ -8,7 +8,7 @@ root of the distance: so every limit cycle at any damping, and every fold, is a 
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -23,7 +23,7 @@ from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.remedies import Call
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.model.table import FrictionTable
+from stickslip_sym.model.table import FrictionTable, Rise
 from stickslip_sym.motion.compiled import is_ready
 from stickslip_sym.motion.kernel.data import TIGHT, End
 from stickslip_sym.motion.orbits.needed import (
@@ -34,12 +34,13 @@ from stickslip_sym.motion.orbits.needed import (
     needed_ratio,
     sure_gap,
 )
-from stickslip_sym.motion.roots import NEAREST
 from stickslip_sym.motion.simulation.cycle import first_minimum
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.numerics.known import Column, Unknown
 from stickslip_sym.numerics.resolved import Resolved, Turn, resolve
 
+NEAREST = 1e-3
+"""Lowest amplitude over the belt's speed that is looked at; a smaller cycle shows by the growth at rest."""
 _RTOL = 1e-9  # of d, that its polynomials may leave out
 _MOST = 2000  # orbits, to resolve it
 _FEW = 20  # orbits, up to which plain Python is as fast as loading compiled code
@@ -87,7 +88,8 @@ class NeededDamping:
     @property
     def least(self) -> float:
         """The least amplitude at which d is resolved: beside a jump of mu at V it grows without bound."""
-        levels, jumps = self.system.rise.levels, self.system.rise.jumps
+        rise = _rise(self.system.table, self.system.V)
+        levels, jumps = rise.levels, rise.jumps
         jump = max(
             (abs(size) for w, size in zip(levels, jumps, strict=False) if abs(w - 1) <= NEAREST), default=0.0
         )
@@ -142,19 +144,8 @@ class NeededDamping:
         return found
 
     def _values(self, A: FloatArray) -> Column:
-        """Return d.
-
-        It is infinite where no damping is enough, or none too little. Where less lets an orbit leave the speeds
-        that were measured it is the damping at which that begins.
-        """
-        rows = np.full((A.size, 5), float(End.LATE))
-        orbits = np.full(A.size, self.system.eta), np.zeros(A.size), A
-        self._spread(needed_all, orbits, SIGNS, rows)
-        end, zeta, error, low, high = rows.T
-        bounded = end == End.OUTSIDE
-        cases = [end == End.CLOSED, bounded, end == End.NEVER]
-        values = np.select(cases, [2 * zeta, 2 * zeta, np.copysign(np.inf, zeta)], np.nan)
-        return Column.of(values, np.select(cases[:2], [2 * error, 2 * (high - low)], 0.0), _LOST)
+        """Return d."""
+        return _values(self.system, np.full(A.size, self.system.eta), A)
 
     def _reaching(self, w: float, low: float) -> float:
         """Return the amplitude, above one, at which orbits come to a highest slip speed over V."""
@@ -171,15 +162,9 @@ class NeededDamping:
         if isinstance(damping, Unknown) or math.isinf(damping):
             return math.inf
         rows, column = np.empty((1, 1)), np.ones(1)
-        self._spread(highest_all, (system.eta * column, damping / 2 * column, A * column), TIGHT, rows)
+        orbit = system.eta * column, damping / 2 * column, A * column
+        _spread(system, highest_all, orbit, TIGHT, rows)
         return float(rows[0, 0])
-
-    def _spread(
-        self, loop: Callable[..., None], columns: tuple[FloatArray, ...], rtol: float, rows: FloatArray
-    ) -> None:
-        """Carry out a loop over orbits: compiled where its machine code is loaded, or worth that."""
-        self.system.spread(loop, columns, (rtol,), rows, few=0 if is_ready(needed_all) else _FEW)
-        check_time()
 
     # -- what is read from them --------------------------------------------------------------------
 
@@ -193,10 +178,20 @@ class NeededDamping:
 
         - `grows_at_rest`: whether small motions about rest grow at each: a cycle may be smaller than all others.
         """
-        turns = self.turns
-        if not turns or self.least > NEAREST or any(turn.x > self.measured for turn in turns):
-            return np.zeros_like(grows_at_rest), np.zeros_like(grows_at_rest), np.ones_like(grows_at_rest)
-        _, values, errors = np.array(turns)[:, :, None].transpose(1, 0, 2)
+        none = np.zeros_like(grows_at_rest)
+        if self.least > NEAREST or self.measured < 1 or not self.resolved.pieces:
+            return none, none, ~none
+        sides = np.array([self.resolved.side(damping) for damping in dampings.tolist()])
+        # Where all orbits grow, or shrink, while those about rest do not, there is a cycle that is smaller.
+        cycle = (sides != 0) & ((sides > 0) != grows_at_rest)
+        stable, unsure = cycle & grows_at_rest, none.copy()
+        if (left := sides == 0).any():
+            cycle[left], stable[left], unsure[left] = self._between(dampings[left], grows_at_rest[left])
+        return cycle, stable, unsure
+
+    def _between(self, dampings: FloatArray, grows_at_rest: BoolArray) -> tuple[BoolArray, BoolArray, BoolArray]:
+        """Return the same at dampings between the least and the largest d, by its extrema."""
+        _, values, errors = np.array(self.turns)[:, :, None].transpose(1, 0, 2)
         above = np.vstack([grows_at_rest, values > dampings])
         falls = above[:-1] & ~above[1:]
         unknown = [bool(self.resolved.open_at(damping)) for damping in dampings.tolist()]
@@ -270,6 +265,52 @@ class NeededDamping:
         return False
 
 
+def _values(system: Dimensionless, eta: FloatArray, A: FloatArray) -> Column:
+    """Return d of orbits, each at an eta of its own.
+
+    It is infinite where no damping is enough, or none too little. Where less lets an orbit leave the speeds that
+    were measured it is the damping at which that begins.
+    """
+    rows = np.full((A.size, 5), float(End.LATE))
+    _spread(system, needed_all, (eta, np.zeros(A.size), A), SIGNS, rows)
+    end, zeta, error, low, high = rows.T
+    bounded = end == End.OUTSIDE
+    cases = [end == End.CLOSED, bounded, end == End.NEVER]
+    values = np.select(cases, [2 * zeta, 2 * zeta, np.copysign(np.inf, zeta)], np.nan)
+    return Column.of(values, np.select(cases[:2], [2 * error, 2 * (high - low)], 0.0), _LOST)
+
+
+def _spread(
+    system: Dimensionless, loop: Callable[..., None], orbits: tuple[FloatArray, ...], rtol: float, rows: FloatArray
+) -> None:
+    """Carry out a loop over orbits: compiled where its machine code is loaded, or worth that."""
+    system.spread(loop, orbits, (rtol,), rows, few=0 if is_ready(needed_all) else _FEW)
+    check_time()
+
+
+def resolve_together(needs: Sequence[NeededDamping]) -> None:
+    """Resolve d of oscillators that differ in eta alone at once: many orbits take little longer than one.
+
+    The places of each follow those of the one before.
+    """
+    needs = [need for need in needs if "resolved" not in vars(need)]
+    if not needs:
+        return
+    begins = np.cumsum([0, *(len(need.edges) - 1 for need in needs)])
+    system, etas = needs[0].system, np.array([need.system.eta for need in needs])
+
+    def values(places: FloatArray) -> Column:
+        which, A = np.searchsorted(begins, places, side="right") - 1, np.empty(places.size)
+        for i in np.unique(which).tolist():
+            A[which == i] = needs[i].amplitudes(places[which == i] - begins[i])
+        return _values(system, etas[which], A)
+
+    whole = resolve(values, range(int(begins[-1]) + 1), rtol=_RTOL, most=_MOST * len(needs))
+    for need, (begin, end) in zip(needs, pairwise(begins.tolist()), strict=True):
+        vars(need)["resolved"] = whole.between(begin, end)
+
+
+@lru_cache(maxsize=64)  # of one law and belt speed all normal forces ask for it
 def quick_speeds(table: FrictionTable, V: float) -> list[float]:
     """Return the slip speeds in m/s, ascending, at which a law has a kink or a jump, or changes quickly beside V.
 
@@ -297,4 +338,14 @@ def needed_damping(law: FrictionLaw, osc: Oscillator) -> NeededDamping:
 
 @lru_cache(maxsize=64)  # cycles at many dampings read one
 def _kept(table: FrictionTable, eta: float, V: float) -> NeededDamping:
-    return NeededDamping(Dimensionless(eta, 0.0, replace(table, static=table.onset), V))
+    return NeededDamping(Dimensionless(eta, 0.0, _without_excess(table), V))
+
+
+@lru_cache(maxsize=64)  # so that what is computed of a table at a belt speed is shared by all normal forces
+def _without_excess(table: FrictionTable) -> FrictionTable:
+    return replace(table, static=table.onset)
+
+
+@lru_cache(maxsize=64)
+def _rise(table: FrictionTable, V: float) -> Rise:
+    return table.at(V)

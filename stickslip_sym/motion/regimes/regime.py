@@ -28,12 +28,11 @@ from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.kernel.data import ADDED, End
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles
-from stickslip_sym.motion.orbits.damping import needed_damping
+from stickslip_sym.motion.orbits.damping import NEAREST, needed_damping
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS
 from stickslip_sym.motion.regimes.overtaking import Rounds, rounds_outside
 from stickslip_sym.motion.regimes.separatrix import Separatrix, interpolated
-from stickslip_sym.motion.roots import NEAREST
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle, first_minimum, stick_slip_cycle
 from stickslip_sym.motion.simulation.simulate import simulate
 from stickslip_sym.motion.slip import Dimensionless

@@ -9,6 +9,7 @@ from operating_points import TWO, laws_in_pieces
 import stickslip_sym as ss
 from stickslip_sym import Motion
 from stickslip_sym.motion.maps.cells import Reason
+from stickslip_sym.motion.orbits.damping import NeededDamping
 
 POINT = {"N": 9.81, "m": 1.0, "k": 100.0}
 LAW = ss.laws.exponential.typical()
@@ -102,6 +103,44 @@ def test_folds_of_the_limit_cycles_bound_regions():
         [True, False, False], [True, True, False], [False, True, True], [False, True, False],
     ]  # fmt: skip
     assert [motion.value for motion in found.motion[:, 0]] == ["stick-slip", "stick-slip", "pure slip", "rest"]
+
+
+NARROW = {
+    "a cycle at the bump": (
+        "0.2 + 0.3*exp(-3*v) - 0.1*exp(-((v - 0.2)/0.001)^2)",
+        {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0, "c": 1.95},
+        [True, False, True],
+    ),
+    "a cycle below the bump": (
+        "0.3 + 0.2*exp(-v/0.7) + 0.02*exp(-((v - 0.28)/0.0001)^2)",
+        {"V": 0.336, "N": 3.75, "m": 1.0, "k": 100.0, "c": 0.704},
+        [False, True, True],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", NARROW)
+@pytest.mark.parametrize("count", [1, 21])
+def test_cycles_beside_a_narrow_bump(name, count):
+    """The damping that orbits need has a wave there, which nine amplitudes missed: alone and in a row alike."""
+    formula, point, expected = NARROW[name]
+    law, c = ss.FrictionLaw(formula), point["c"]
+    values = [c] if count == 1 else np.linspace(0.9 * c, 1.1 * c, count)
+    found = ss.motion_map(law, x=("V", [point["V"]]), y=("c", values), **{n: point[n] for n in "Nmk"})
+    assert attractors(found, count // 2, 0) == expected
+    motions = ss.regime(law, ss.Oscillator(**point))
+    stable = any(cycle.stable for cycle in motions.cycles)
+    assert [motions.stick_slip is not None, motions.rest.stable, stable] == expected
+
+
+def test_a_cell_that_its_regime_contradicts_has_its_line_followed(monkeypatch):
+    """Comparisons that go wrong, here by leaving out all limit cycles, are noticed."""
+    monkeypatch.setattr(
+        NeededDamping, "signs", lambda self, c, grows: (grows & False, grows & False, grows & False)
+    )
+    found = ss.motion_map(TWO, x=("V", [0.5]), y=("c", [3.3, 3.8]), **POINT)
+    assert [attractors(found, row, 0) for row in range(2)] == [[True, True, False], [False, True, True]]
+    assert (found.reason == Reason.SIMULATED).all()
 
 
 def test_axes_may_be_any_two(law):

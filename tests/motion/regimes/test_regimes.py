@@ -5,14 +5,12 @@ import math
 
 import numpy as np
 import pytest
-from numpy.polynomial import Chebyshev
 from operating_points import TWO, paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Motion, Phase
 from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.regimes.regime import Rest
-from stickslip_sym.motion.roots import orbit_signs
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle
 
 KINKED = ss.FrictionLaw("Max(0.5 - 0.4*v, 0.25)")
@@ -235,31 +233,3 @@ def test_a_cycle_that_overtakes_attracts(exponent, height):
     run = ss.simulate(law, osc, t_end=10 * cycle.period, x0=0.0, v0=height * osc.V, rtol=1e-12)
     *_, before, last = np.diff([event.x for event in run.events][::2])  # where each round passes the belt's speed
     assert last / before == pytest.approx(math.exp(cycle.floquet * cycle.period), rel=0.01)
-
-
-def test_roots_of_random_curves_are_found():
-    rng, A = np.random.default_rng(61), np.linspace(0, 1, 20_001)
-    curves = [Chebyshev(rng.normal(size=5) / (1 + np.arange(5)) ** 2, domain=[0, 1]) for _ in range(60)]
-    levels = rng.uniform(-1, 1, (60, 7))
-
-    rows = [(curve, level) for curve, some in zip(curves, levels, strict=True) for level in some]
-
-    def value(numbers, amplitudes):
-        return np.array([rows[i][0](A) - rows[i][1] for i, A in zip(numbers, amplitudes, strict=True)])
-
-    found = orbit_signs(value, np.array([curve(0.0) > level for curve, level in rows]))
-    left = {row for row, _, _ in found.open}
-    decided = stable = 0
-    for i, (curve, level) in enumerate(rows):
-        above = curve(A) > level
-        if i in left:
-            turns = curve.deriv().roots()
-            turns = turns[(abs(turns.imag) < 1e-9) & (turns.real > 0) & (turns.real < 1)].real
-            assert np.abs(curve(turns) - level).min() < 1e-2
-            continue
-        decided += 1
-        assert found.cycle[i] == (above[1:] != above[:-1]).any()
-        assert found.stable[i] == (above[:-1] & ~above[1:]).any()
-        stable += found.stable[i]
-    assert decided > 400
-    assert 50 < stable < 350
