@@ -51,11 +51,11 @@ def tests(session):
 
 @nox.session
 def nightly(session):
-    """Run what takes long, with examples that no run drew before; the seed of the day is printed."""
+    """Run what takes long, with new examples and in another order; the seed of the day is printed."""
     session.chdir(ROOT)
     session.install("-e", ".[test]")
     seed = datetime.datetime.now(datetime.UTC).strftime("%Y%m%d")
-    session.run("pytest", "--thorough", "--fresh", seed, "-ra", *session.posargs)
+    session.run("pytest", "--thorough", "--fresh", seed, "--order", seed, "-ra", *session.posargs)
 
 
 @nox.session
@@ -92,10 +92,11 @@ def package(session):
 
 @nox.session
 def documentation(session):
-    """Build the documentation in `build/documentation`; a warning is an error."""
+    """Build the documentation, of which a warning is an error, and compare README's pictures by their texts."""
     session.chdir(ROOT)
     session.install("-e", ".[plot,docs]")
     session.run("python", "-W", "error", ".ci/documentation/build.py")
+    session.run("python", ".ci/pictures.py")
 
 
 @nox.session

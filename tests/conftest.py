@@ -1,6 +1,7 @@
 """Fixtures that several test files use, and how tests are shared out among processes."""
 
 import os
+import random
 
 # Tests run in several processes; threads of linear algebra on top would wait for each other.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -32,6 +33,8 @@ def pytest_addoption(parser):
     parser.addoption("--thorough", action="store_true", help=words)
     words = "draw other examples: this number is the seed of Hypothesis and is added to every seed of a test"
     parser.addoption("--fresh", type=int, metavar="SEED", help=words)
+    words = "run the tests in another order: reverse, or shuffled by a number"
+    parser.addoption("--order", metavar="ORDER", help=words)
 
 
 def pytest_configure(config):
@@ -45,8 +48,9 @@ def pytest_configure(config):
 
 def pytest_report_header(config):
     """Say how a failure of a nightly run comes again."""
-    fresh = config.getoption("--fresh")
-    return [] if fresh is None else [f"examples drawn anew: the same come again with --fresh {fresh}"]
+    fresh, order = config.getoption("--fresh"), config.getoption("--order")
+    lines = [] if fresh is None else [f"examples drawn anew: the same come again with --fresh {fresh}"]
+    return lines if order is None else [*lines, f"another order: the same comes again with --order {order}"]
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -72,7 +76,13 @@ def pytest_collection_modifyitems(config, items):
         parameters = item.callspec.params if hasattr(item, "callspec") else {}
         if "seed" in parameters:
             parameters["seed"] += config.getoption("--fresh")
-    items.sort(key=lambda item: item.path.parent.name != "whole")
+    order = config.getoption("--order")
+    if order is None:
+        items.sort(key=lambda item: item.path.parent.name != "whole")
+    elif order == "reverse":
+        items.reverse()
+    else:
+        random.Random(int(order)).shuffle(items)
 
 
 @pytest.fixture(params=["exponential", "polynomial"])

@@ -67,13 +67,14 @@ def page(path: str, name: str, linked: dict[str, str]) -> pdoc.doc.Module:
     text = DISPLAYED.sub(displayed, text_of(path))
 
     def mended(link: re.Match) -> str:
-        target = (ROOT / path).parent.joinpath(link[2]).resolve()
+        place, mark, anchor = link[2].partition("#")
+        target = (ROOT / path).parent.joinpath(place).resolve()
         if target.is_dir():
             return link[1]  # it is in the repository only
         if target.suffix in (".svg", ".png") and target.is_file() and target.parent != FOLDER:
             shutil.copy(target, FOLDER)
         page = PAGES.get(target.relative_to(ROOT).as_posix())
-        return f"[{link[1]}]({page}.html)" if page else f"[{link[1]}]({target.name})"
+        return f"[{link[1]}]({f'{page}.html' if page else target.name}{mark}{anchor})"
 
     text = re.sub(r"\[([^]]+)\]\((?!https?:)([^)\s]+)\)", mended, text)
     if name == "index":

@@ -16,6 +16,7 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import lookup, suggestion
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.parsing import NAME
+from stickslip_sym.model.expression.reading import require_evaluation
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.output import markup, printing
 
@@ -67,6 +68,7 @@ def as_law(law: FrictionLaw | str | float | Expr) -> FrictionLaw:
 
     Text that is one name is that of a law of the catalogue, unless it begins with mu: a constant coefficient.
     """
+    require_evaluation()
     if isinstance(law, FrictionLaw):
         return law
     if isinstance(law, str) and NAME.fullmatch(law.strip()) and not law.strip().startswith("mu"):

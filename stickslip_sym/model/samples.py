@@ -25,6 +25,7 @@ from stickslip_sym.core.lambdify import Backend, context_of
 from stickslip_sym.core.numbers import Number, binary_fraction, exact, to_mpf
 from stickslip_sym.core.remedies import Argument, Call
 from stickslip_sym.model.expression.pieces import piecewise
+from stickslip_sym.model.expression.reading import require_evaluation
 
 FEWEST, MOST = 4, 60
 LARGEST = sp.Integer(10) ** 20  # m/s; the smallest speed above 0 is its inverse
@@ -57,6 +58,7 @@ class SampledCurve:
         To extrapolate is to hold the first coefficient down to v = 0, with a warning, and the last one beyond the
         last speed. Otherwise the first speed must be 0, and the curve ends at the last.
         """
+        require_evaluation()
         speeds, coefficients = _checked(v, mu)
         if speeds[0] != 0 and not extrapolate:
             raise InputError(

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 
 import sympy as sp
+from sympy.core.parameters import global_parameters
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
@@ -48,6 +49,15 @@ _DEPTH = 5  # calls from a line that makes a law to the warning
 _SHOWN = 5  # names in a message
 
 
+def require_evaluation() -> None:
+    """Refuse to compute where SymPy was told to leave expressions as they are."""
+    if not global_parameters.evaluate:
+        raise InputError(
+            "SymPy does not evaluate within sympy.evaluate(False), and nothing here can be computed so; "
+            "leave that block, or open one of sympy.evaluate(True)"
+        )
+
+
 def as_text(formula: object) -> str:
     """Return a coefficient as the text that is read: as it was typed, or of a SymPy expression or number."""
     if isinstance(formula, str):
@@ -75,6 +85,7 @@ def read_formula(formula: str, table: dict[str, Parameter], *, constant: bool = 
 
     A static coefficient is `constant`: it may not depend on v.
     """
+    require_evaluation()
     names: set[str] = set()
     undescribed: list[str] = []
 
