@@ -16,7 +16,7 @@ from sympy.codegen.cfunctions import expm1, log1p
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.numbers import bits
-from stickslip_sym.core.special import Langevin, Lerch, NumberPower, Removable, polylog
+from stickslip_sym.core.special import Ein, Langevin, Lerch, NumberPower, Removable, polylog
 
 T = TypeVar("T")
 
@@ -279,13 +279,16 @@ _ROWS = (
     Function(sp.lowergamma, lambda s, z: z.gamma_lower(s), _anywhere,
              domain=lambda s, z: (s,) if z.is_nonnegative else None, latex=r"\gamma",
              meaning=r"$\gamma(s, x)$ is the lower incomplete gamma function"),
-    Function(sp.uppergamma, lambda s, z: z.gamma_upper(s), _anywhere, latex=r"\Gamma"),
+    Function(sp.uppergamma, lambda s, z: z.gamma_upper(s), _anywhere, domain=lambda s, z: (z,), latex=r"\Gamma",
+             meaning=r"$\Gamma(s, x)$ is the upper incomplete gamma function"),
     Function(sp.beta, None, _anywhere, latex=r"\mathrm{B}"),
     Function(sp.expint, lambda s, z: z.expint(s), _anywhere, domain=lambda s, z: (z,), latex="E",
              indexed=True),
     Function(sp.polylog, lambda s, z: z.polylog(s), _anywhere,
              domain=lambda s, z: () if z.is_imaginary else (1 - z,), latex=r"\operatorname{Li}", indexed=True,
              meaning=r"$\operatorname{Li}_n$ is the polylogarithm"),
+    Function(Ein, Ein.ball, analytic=True, floats=Ein.floats, latex=r"\operatorname{Ein}", dlmf="6.2",
+             meaning=r"$\operatorname{Ein}(x)$ is the integral from $0$ to $x$ of $(1 - \mathrm{e}^{-t})/t$"),
     Function(sp.zeta, acb.zeta, _anywhere, latex=r"\zeta"),
     Function(sp.dirichlet_eta, acb.dirichlet_eta, _anywhere, latex=r"\eta",
              meaning=r"$\eta$ is Dirichlet's eta function"),

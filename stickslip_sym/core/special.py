@@ -17,6 +17,7 @@ from stickslip_sym.core.aliases import Expr, FloatArray, Mpf
 from stickslip_sym.core.precision import from_mpmath, in_mpmath, mp, refined, working_precision
 
 _MOST = 20_000  # bits of working precision for a value in mpmath
+_EIN_TERMS = 21  # of a series at arguments up to 1, the next term of which is below the rounding of a double
 _NEAR = 1.5  # largest argument of the power series of a removable singularity
 _CIRCLE, _BOUND = 3, 8  # a radius up to which a removable function is analytic, and a bound on its size there
 _DOUBLE = 53  # bits of a double
@@ -61,6 +62,40 @@ class Lerch(Special):
             raise sp.core.function.ArgumentIndexError(self, argindex)
         z, s, a = self.args
         return (Lerch(z, s - 1, a) - a * Lerch(z, s, a)) / z
+
+
+class Ein(Special):
+    """The entire exponential integral, from 0 to x of (1 - exp(-t))/t: E_1(x) + log(x) + gamma for x > 0."""
+
+    nargs = 1
+    is_real = True
+
+    @classmethod
+    def eval(cls, x: Expr) -> Expr | None:
+        """Evaluate at 0."""
+        return sp.S.Zero if x == 0 else None
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        """Differentiate."""
+        (x,) = self.args
+        return (1 - sp.exp(-x)) / x
+
+    @staticmethod
+    def ball(z: acb) -> acb:
+        """Return z times the hypergeometric series 2F2(1, 1; 2, 2; -z)."""
+        return z * (-z).hypgeom([acb(1), acb(1)], [acb(2), acb(2)])
+
+    @staticmethod
+    def floats(x: Any) -> FloatArray:
+        """Return the values of an array of numbers >= 0."""
+        from scipy.special import exp1
+
+        x = np.asarray(x, dtype=np.float64)
+        n = np.arange(1, _EIN_TERMS)
+        coefficients = np.concatenate([[0.0], -((-1.0) ** n) / (n * np.cumprod(n.astype(np.float64)))])
+        series = np.polynomial.polynomial.polyval(np.minimum(x, 1.0), coefficients)
+        with np.errstate(all="ignore"):
+            return np.asarray(np.where(x < 1, series, exp1(x) + np.log(x) + np.euler_gamma))
 
 
 class polylog(sp.polylog):  # type: ignore[misc]  # noqa: N801  # SymPy is untyped; the name is what is printed

@@ -468,8 +468,10 @@ def _first_zero(expr: Expr, parameters: list[Expr], values: list[float]) -> floa
     if not changes.size:
         return np.inf
     low, high = _GRID[changes[0]], _GRID[changes[0] + 1]
-    while low < (middle := (low + high) / 2) < high:
-        low, high = (middle, high) if np.sign(function(middle, *values)) == signs[changes[0]] else (low, middle)
+    with np.errstate(all="ignore"):
+        while low < (middle := (low + high) / 2) < high:
+            below = np.sign(function(middle, *values)) == signs[changes[0]]
+            low, high = (middle, high) if below else (low, middle)
     return float(low)
 
 
@@ -486,7 +488,7 @@ def scales_of(profile: Expr, point: Mapping[Expr, Expr]) -> tuple[float, float]:
             if argument != symbols.v and argument.has(symbols.v):
                 over, under = map(_monomials, sp.fraction(sp.together(argument.xreplace(dict(point)))))
                 scales += [s for terms in (over, under, over + under) for s in _turns(terms)]
-                scales += [] if is_power or len(under) > 1 else _turns([*over, (0.0, under[0][1])])
+                scales += [] if is_power or len(under) != 1 else _turns([*over, (0.0, under[0][1])])
     return min(scales), max(scales)
 
 

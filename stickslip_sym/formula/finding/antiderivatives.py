@@ -10,7 +10,7 @@ import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import FUNCTIONS
-from stickslip_sym.core.special import Lerch, polylog
+from stickslip_sym.core.special import Ein, Lerch, polylog
 from stickslip_sym.formula.finding.matching import (
     Rule,
     as_binomial,
@@ -20,10 +20,12 @@ from stickslip_sym.formula.finding.matching import (
     first_rule,
     minus_discriminant,
     partial_fractions,
+    waves_apart,
 )
 from stickslip_sym.model.terms import grouped
 
 _HALF = sp.Rational(1, 2)
+_HIGHEST_ROOT = 6  # of u, in rational functions
 
 
 def by_parts(polynomial: Expr, ladder: Callable[[int], Expr], u: Expr) -> Expr:
@@ -41,7 +43,7 @@ def by_parts(polynomial: Expr, ladder: Callable[[int], Expr], u: Expr) -> Expr:
 def antiderivative(rest: Expr, kernel: Expr, u: Expr) -> tuple[str, Expr] | None:
     """Return the names of the rules that integrate rest * kernel, term by term, and what they give, or None."""
     names, total = [], sp.Integer(0)
-    for part, constant in grouped(rest, u).items():
+    for part, constant in grouped(waves_apart(rest), u).items():
         by_rule = first_rule(_RULES, part, kernel, u)
         if by_rule is None:
             return None
@@ -109,7 +111,7 @@ def _power(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
 def _root(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     """u^n (a u^2 + b u + c)^(k/2), k odd and >= -1, the quadratic positive: asinh. Holds u/sqrt(u^2 + w^2).
 
-    Where its zeros may be real it is a logarithm, for a, b, c >= 0.
+    Where its zeros may be real it is a logarithm, for a, b, c >= 0, and for a < 0 an arcsine.
     """
     base, exponent = node.as_base_exp()
     quadratic, times = coefficients(base, u), exponent + _HALF
@@ -117,9 +119,12 @@ def _root(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
         return None
     a, b, c = quadratic
     gap = sp.factor(4 * a * c - b**2)
-    if not (a.is_positive and (gap.is_positive or (b.is_positive and c.is_positive))):
+    falls = a.is_negative and gap.is_negative
+    if not (falls or (a.is_positive and (gap.is_positive or (b.is_positive and c.is_positive)))):
         return None
     above, constant = _reduced(polynomial * base**times, base, sp.diff(base, u) / 2, u)
+    if falls:
+        return above * sp.sqrt(base) - constant / sp.sqrt(-a) * sp.asin((2 * a * u + b) / sp.sqrt(-gap))
     if gap.is_positive:
         arc = sp.asinh((2 * a * u + b) / sp.sqrt(gap))
     else:
@@ -154,14 +159,138 @@ def _lognormal(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
 
 
 def _stretched(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
-    """Integrate u^q exp(-(u/w)^d), d and q symbolic: lower incomplete gamma functions."""
+    """Integrate u^q exp(-(u/w)^d), d and q symbolic: incomplete gamma functions, for d < 0 the upper ones."""
     match = as_stretched(factors, u)
-    if match is None or match[3].is_negative:
+    if match is None:
         return None
     front, q, k, d = match
-    w = sp.powdenest(k ** (-1 / d))
     terms = sp.Poly(front * polynomial, u).terms()
+    if d.is_negative:
+        orders = [(c, (n + 1 + q) / -d) for (n,), c in terms]
+        return sp.Add(*[-c / d * k**order * _upper_gamma(-order, k * u**d) for c, order in orders])
+    w = sp.powdenest(k ** (-1 / d))
     return sp.Add(*[c * w ** (n + 1 + q) / d * sp.lowergamma((n + 1 + q) / d, (u / w) ** d) for (n,), c in terms])
+
+
+def _upper_gamma(order: Expr, x: Expr) -> Expr:
+    """Return Gamma(order, x), of the orders 0, -1, -2, ... by E_1.
+
+    -n Gamma(-n, x) = Gamma(1 - n, x) - x^(-n) exp(-x).
+    """
+    if not (order.is_Integer and order <= 0):
+        return sp.uppergamma(order, x)
+    value = sp.expint(1, x)
+    for n in range(1, int(-order) + 1):
+        value = (x**-n * sp.exp(-x) - value) / n
+    return sp.expand(value)
+
+
+def _exponential_power(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
+    """Integrate u^n (a u + b)^p exp(-k u), p no integer: upper incomplete gamma functions of k (u + b/a)."""
+    power, exponential = factors.as_independent(sp.exp, as_Add=False)
+    match, line = as_power(power, u), coefficients(exponential.args[0], u) if exponential.args else []
+    if match is None or not isinstance(exponential, sp.exp) or len(line) != 2 or not line[0].is_negative:
+        return None
+    _, rate, shift, p = match
+    k, start, x = -line[0], shift / rate, sp.Dummy("x", positive=True)
+    if not start.is_positive:
+        return None
+    terms = sp.Poly(sp.expand(polynomial.subs(u, x - start)), x).terms()
+    total = sp.Add(*[-c * k ** -(p + n + 1) * sp.uppergamma(p + n + 1, k * (u + start)) for (n,), c in terms])
+    return rate**p * sp.exp(sp.expand(line[1] + k * start)) * total
+
+
+def _power_of_logarithm(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
+    """Integrate u^n y^p, y = c - b log(u) > 0, b > 0: upper incomplete gamma functions of multiples of y."""
+    base, p = node.as_base_exp()
+    if base.is_Pow and base.exp == -1:
+        base, p = base.base, -p
+    b, c = -base.coeff(sp.log(u)), base.subs(sp.log(u), 0)
+    if p.has(u) or p.is_integer is not False or c.has(u) or not b.is_positive:
+        return None
+    if sp.expand(base - c + b * sp.log(u)) != 0:
+        return None
+    total = sp.Integer(0)
+    for (n,), front in sp.Poly(polynomial, u).terms():
+        m = (n + 1) / b
+        total += front * sp.exp(m * c) * m ** -(p + 1) / b * sp.uppergamma(p + 1, m * base)
+    return total
+
+
+def _damped_wave(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
+    """Integrate u^n exp(a u + c) cos(b u + d), or sin: the real part of exp(z u), whose integrals are over z^j."""
+    exponential, wave = factors.as_independent(sp.sin, sp.cos, as_Add=False)
+    if not (isinstance(exponential, sp.exp) and isinstance(wave, sp.sin | sp.cos)):
+        return None
+    (a, *c), (b, *d) = (coefficients(factor.args[0], u) for factor in (exponential, wave))
+    if not len(c) == len(d) == 1:
+        return None
+    angle, square = wave.args[0], a**2 + b**2
+
+    def ladder(j: int) -> Expr:
+        x, y = sp.Dummy("x", real=True), sp.Dummy("y", real=True)
+        P, Q = (part.subs({x: a, y: b}) for part in sp.expand((x - sp.I * y) ** j).as_real_imag())
+        cosine, sine = sp.cos(angle), sp.sin(angle)
+        turned = P * cosine - Q * sine if isinstance(wave, sp.cos) else P * sine + Q * cosine
+        return exponential * turned / square**j
+
+    return by_parts(polynomial, ladder, u)
+
+
+def _exponential_logarithm(polynomial: Expr, exponential: Expr, logarithm: Expr, u: Expr) -> Expr | None:
+    """Integrate u^n exp(-a u) log(r u + s), s > 0, by parts: what is left are exponential integrals."""
+    line, inner = coefficients(exponential.args[0], u), coefficients(logarithm.args[0], u)
+    if logarithm.is_Pow or len(line) != 2 or len(inner) != 2 or inner[1] == 0:
+        return None
+    whole = sp.factor_terms(_ladder(polynomial, exponential, line, u) / exponential)
+    left = _exponential_over_linear(whole, sp.diff(logarithm, u) * exponential, u)
+    return None if left is None else whole * exponential * logarithm - left
+
+
+def _exponential_of_root(polynomial: Expr, error: Expr, exponential: Expr, u: Expr) -> Expr | None:
+    """Integrate u^n exp(a u) erf(sqrt(b u)), or erfc, by parts: left are powers of u with exp((a - b) u)."""
+    line = coefficients(exponential.args[0], u)
+    rate = sp.expand(error.args[0] ** 2) / u
+    if error.is_Pow or len(line) != 2 or rate.has(u) or not rate.is_positive:
+        return None
+    whole = sp.factor_terms(_ladder(polynomial, exponential, line, u) / exponential)
+    left = antiderivative(sp.expand(whole * exponential * sp.diff(error, u)), sp.Integer(1), u)
+    return None if left is None else whole * exponential * error - left[1]
+
+
+def _softplus(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
+    """Integrate u^n log(1 + c exp(k u)) = -u^n Li_1(-c exp(k u)), c > 0: Li_s(z) integrates to Li_(s+1)(z)/k."""
+    rest, exponential = (node.args[0] - 1).as_independent(sp.exp, as_Add=False)
+    line = coefficients(exponential.args[0], u) if isinstance(exponential, sp.exp) else []
+    if node.is_Pow or len(line) != 2 or not rest.is_positive:
+        return None
+    z = -rest * exponential
+    return by_parts(polynomial, lambda j: -polylog(1 + j, z) / line[0] ** j, u)
+
+
+def _product_of_roots(polynomial: Expr, first: Expr, second: Expr, u: Expr) -> Expr | None:
+    """Integrate u^n (a u + b)^(i/2) (c u + d)^(k/2), i and k odd and >= -1: the root of a quadratic."""
+    one, two = as_power(first, u), as_power(second, u)
+    if one is None or two is None:
+        return None
+    (left, *_, p), (right, *_, q) = one, two
+    if not ((p + _HALF).is_Integer and (q + _HALF).is_Integer):
+        return None
+    lowest = min(p, q)
+    above = left ** (p - lowest) * right ** (q - lowest)
+    return _root(sp.expand(polynomial * above), sp.Pow(sp.expand(left * right), lowest), u)
+
+
+def _rational_in_root(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
+    """Integrate a rational function of u^(1/q), q up to 6, by x = u^(1/q)."""
+    orders = {power.exp.q for power in factors.atoms(sp.Pow) if power.base == u and power.exp.is_Rational}
+    q = int(sp.ilcm(1, 1, *orders))
+    x = sp.Dummy("x", positive=True)
+    if not 1 < q <= _HIGHEST_ROOT:
+        return None
+    inner = (polynomial * factors).xreplace({u: x**q}) * q * x ** (q - 1)
+    found = _rational(sp.Integer(1), sp.cancel(sp.together(inner)), x) if inner.is_rational_function(x) else None
+    return None if found is None else found.xreplace({x: u ** sp.Rational(1, q)})
 
 
 def _binomial(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
@@ -276,6 +405,9 @@ def _exponential_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr |
         for k in range(power - 1, 0, -1):
             total -= numerator * exponential / (k * base**k)
             numerator *= line[0] / k
+        if shift == 0:  # what log(u) is infinite by, another term may cancel, as in (1 - exp(-u))/u
+            total += numerator * sp.exp(line[1]) * (sp.log(u) - Ein(-line[0] * u))
+            continue
         total -= numerator * sp.exp(sp.expand(line[1] - line[0] * shift)) * sp.expint(1, -line[0] * base)
     return total
 
@@ -336,6 +468,14 @@ _RULES = (
     Rule("incomplete gamma", None, _stretched),
     Rule("Lerch transcendent", (sp.exp, sp.tanh), _exponential_tanh),
     Rule("exponential integral", None, _exponential_over_linear),
+    Rule("damped oscillation", None, _damped_wave),
+    Rule("upper incomplete gamma", None, _exponential_power),
+    Rule("upper incomplete gamma of a logarithm", (sp.Pow,), _power_of_logarithm),
+    Rule("integration by parts, and exponential integral", (sp.exp, sp.log), _exponential_logarithm),
+    Rule("integration by parts, and powers", ((sp.erf, sp.erfc), sp.exp), _exponential_of_root),
+    Rule("polylogarithm", (sp.log,), _softplus),
+    Rule("square root of a product", (sp.Pow, sp.Pow), _product_of_roots),
+    Rule("partial fractions of a root", None, _rational_in_root),
     Rule("dilogarithm", None, _logarithm_over_linear),
     Rule("exponential integral of an inverse", (sp.exp,), _exponential_of_inverse),
     Rule("integration by parts, and Gaussian", (sp.erf, sp.exp), _exponential_erf),

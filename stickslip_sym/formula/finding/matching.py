@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import sympy as sp
+from sympy.simplify.fu import TR8
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.model.terms import split_polynomial
@@ -88,7 +89,7 @@ def as_stretched(factors: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr] | None
         return None
     exponent = sp.expand_power_base(sp.expand(exponential.args[0]))
     constant, varying = exponent.as_independent(u, as_Add=True)
-    factor, monomial = varying.as_independent(u, as_Add=False)
+    factor, monomial = sp.factor_terms(varying).as_independent(u, as_Add=False)
     of, d = monomial.as_base_exp()
     return (sp.exp(constant), q if base == u else sp.Integer(0), -factor, d) if of == u and not d.has(u) else None
 
@@ -122,6 +123,13 @@ def partial_fractions(rest: Expr, u: Expr) -> tuple[Expr, list[tuple[Expr, list[
             return None
         fractions.append((numerator / (constant * lead**power), monic, int(power)))
     return polynomial, fractions
+
+
+def waves_apart(expr: Expr) -> Expr:
+    """Write powers and products of sines and cosines as sums of them, as sin(x)^2 = (1 - cos(2 x))/2."""
+    powers = [node for node in expr.atoms(sp.Pow) if isinstance(node.base, sp.sin | sp.cos)]
+    products = [node for node in expr.atoms(sp.Mul) if len([f for f in node.args if f.has(sp.sin, sp.cos)]) > 1]
+    return sp.expand(TR8(expr)) if powers or products else expr
 
 
 def minus_discriminant(b: Expr, c: Expr) -> Expr:

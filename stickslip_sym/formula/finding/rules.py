@@ -18,8 +18,10 @@ from stickslip_sym.formula.finding import search
 from stickslip_sym.formula.finding.antiderivatives import antiderivative
 from stickslip_sym.formula.finding.averages import average_of_pieces, harmonic_average
 from stickslip_sym.formula.finding.search import NothingFound
+from stickslip_sym.formula.proof.normal_form import is_integral_of_binomial
 from stickslip_sym.formula.proof.recurrence import AverageSeries, definition
 from stickslip_sym.formula.proof.theorems import By, PieceByPiece, ends_of_pieces, value_at
+from stickslip_sym.model.at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.expression.pieces import pieces_of
 from stickslip_sym.model.terms import grouped
 
@@ -37,7 +39,7 @@ class Part:
 def integrate_terms(mu: Expr, criterion: Criterion, *, search_too: bool) -> list[Part]:
     """Integrate a profile mu(v) term by term; SymPy's integrator is asked last, or not at all."""
     parts = []
-    for rest, constant in grouped(mu, symbols.v).items():
+    for rest, constant in _terms(mu).items():
         pieces, places = pieces_of(rest)
         ends = ends_of_pieces(places, 2 * symbols.V)
         try:
@@ -47,12 +49,24 @@ def integrate_terms(mu: Expr, criterion: Criterion, *, search_too: bool) -> list
         term = constant * rest
         by: By | None = None
         whole = constant * value + (criterion.boundary(term) if criterion.is_polynomial else 0)
-        if primitives and not value.has(sp.hyper):
+        if primitives and all(map(is_integral_of_binomial, value.atoms(sp.hyper))):
             by = PieceByPiece([constant * primitive for primitive in primitives], symbols.v)
         elif not places:
             by = AverageSeries(rest, criterion, constant, whole / constant)
         parts.append(Part(definition(term, criterion), whole, rule, by))
     return parts
+
+
+def _terms(mu: Expr) -> dict[Expr, Expr]:
+    """Split a profile into functions of v and their constant factors; what is finite at 0 together is one."""
+    terms = grouped(mu, symbols.v)
+    infinite = [
+        rest for rest in terms if rest.subs(symbols.v, 0).is_finite is not True and not rest.has(sp.Piecewise)
+    ]
+    if len(infinite) > 1 and symbolic_limit_at_rest(mu).is_finite:
+        whole = sp.Add(*[terms.pop(rest) * rest for rest in infinite])
+        terms[whole] = sp.S.One
+    return terms
 
 
 def _averaged(

@@ -23,7 +23,8 @@ def normal_form(expr: Expr) -> Expr:
     """Reduce an expression so that zero becomes 0.
 
     Integrals are split by linearity, and done where their integrand is a polynomial. Hyperbolic
-    functions become exponentials, polylogarithms of order 1 elementary, and radicands
+    functions become exponentials, and so do sines and cosines where something is left; polylogarithms of order 1
+    become elementary, of contiguous hypergeometric functions one is left, and radicands
     are factored. What is left is put over one denominator, and its numerator expanded: a polynomial in symbols,
     in functions that are algebraically independent, and in integrals of unknown functions.
     """
@@ -43,9 +44,45 @@ def normal_form(expr: Expr) -> Expr:
         lambda node: node.is_Pow and node.exp.is_Rational and not node.exp.is_Integer,
         lambda node: sp.factor(node.base) ** node.exp,
     )
-    expr = _exponentials_as_symbols(expr.rewrite(HyperbolicFunction, sp.exp))
-    numerator, _ = sp.fraction(sp.together(expr))
+    expr = _contiguous(expr)
+    numerator = _numerator(expr.rewrite(HyperbolicFunction, sp.exp))
+    if numerator != 0 and numerator.has(sp.sin, sp.cos):
+        return _numerator(expr.rewrite([HyperbolicFunction, sp.sin, sp.cos], sp.exp))
+    return numerator
+
+
+def _numerator(expr: Expr) -> Expr:
+    numerator, _ = sp.fraction(sp.together(_exponentials_as_symbols(expr)))
     return sp.expand(sp.powsimp(sp.expand(numerator)))
+
+
+def is_integral_of_binomial(node: Expr) -> bool:
+    """Whether a node is 2F1(-p, e; 1 + e; z), by which u^(q - 1) (b + a u^d)^p is integrated, e = q/d."""
+    if not isinstance(node, sp.hyper) or (len(node.ap), len(node.bq)) != (2, 1):
+        return False
+    return any(sp.expand(node.bq[0] - e) == 1 for e in node.ap)
+
+
+def _contiguous(expr: Expr) -> Expr:
+    """Write what differentiating F = 2F1(-p, e; 1 + e; z) leaves by F itself: z F' = e ((1 - z)^p - F)."""
+    functions = {node for node in expr.atoms(sp.hyper) if is_integral_of_binomial(node)}
+    replaced = {}
+    for node in functions:
+        lower = next((F for F in functions if F.argument == node.argument and _is_shifted(node, F)), None)
+        if lower is None:
+            continue
+        (w,), z = lower.bq, node.argument
+        minus_p = lower.ap[1] if sp.expand(w - lower.ap[0]) == 1 else lower.ap[0]
+        # F' = -p e/(1 + e) times the node.
+        replaced[node] = w / minus_p * ((1 - z) ** -minus_p - lower) / z
+    return expr.xreplace(replaced)
+
+
+def _is_shifted(node: Expr, lower: Expr) -> bool:
+    """Whether the parameters of a node are those of another function, each one higher."""
+    (x, y), (w,), (a, b), (c,) = node.ap, node.bq, lower.ap, lower.bq
+    shifts = [{sp.expand(w - c), sp.expand(x - s), sp.expand(y - t)} for s, t in ((a, b), (b, a))]
+    return {1} in shifts
 
 
 def _of_factors(argument: Expr) -> Expr:
@@ -85,7 +122,9 @@ def _exponentials_as_symbols(expr: Expr) -> Expr:
     below = [node for node in expr.atoms(sp.Pow) if not (node.exp.is_Integer and node.exp > 0)]
     if not expr.has(sp.exp) or any(node.has(sp.exp) for node in below):
         return expr
-    expr = sp.expand(expr)
+    # Sums under a fraction bar stay whole: multiplied out, they would take the exponentials along.
+    whole = {node: sp.Dummy() for node in below if node.base.is_Add}
+    expr = sp.expand(expr.xreplace(whole)).xreplace({symbol: node for node, symbol in whole.items()})
     return expr.xreplace({node: sp.Dummy(positive=True) for node in expr.atoms(sp.exp)})
 
 

@@ -160,6 +160,9 @@ def _limit_of_term(term: Expr, x: Expr) -> Expr:
     A product of powers of x with exp(-a/x) or E_1(a/x), a > 0, vanishes too.
     """
     factors = sp.Mul.make_args(term)
+    if any(_falls_with_logarithm(factor, x) for factor in factors):
+        others = [factor for factor in factors if factor.has(x) and not _falls_with_logarithm(factor, x)]
+        return sp.nan if others else sp.S.Zero
     if any(_vanishes_at_rest(factor, x) for factor in factors):
         others = [factor for factor in factors if factor.has(x) and not _vanishes_at_rest(factor, x)]
         return sp.S.Zero if all(factor.as_base_exp()[0] == x for factor in others) else sp.nan
@@ -185,7 +188,9 @@ def _limit_of_term(term: Expr, x: Expr) -> Expr:
 
 
 def _vanishes_at_rest(factor: Expr, x: Expr) -> bool:
-    """Whether a factor is exp(-a/x + b) or E_1(a/x), a > 0."""
+    """Whether a factor falls faster than any power of x, as exp(-a/x + b) and E_1(a/x), a > 0."""
+    if _outweighs_powers(factor, x):
+        return True
     if isinstance(factor, sp.exp):
         rate = -sp.expand(factor.exp).coeff(x, -1)
         rest = sp.expand(factor.exp + rate / x)
@@ -194,6 +199,31 @@ def _vanishes_at_rest(factor: Expr, x: Expr) -> bool:
     else:
         return False
     return bool(rate.is_positive) and not rate.has(x) and not rest.has(x)
+
+
+def _outweighs_powers(factor: Expr, x: Expr) -> bool:
+    """Whether a factor is exp(-y), E_1(y), Gamma(s, y) or erfc(sqrt(y)) of a y = a x^(-d), a > 0, d > 0."""
+    if isinstance(factor, sp.exp):
+        y = -factor.exp
+    elif isinstance(factor, sp.expint | sp.uppergamma):
+        y = factor.args[1]
+    elif isinstance(factor, sp.erfc):
+        y = factor.args[0] ** 2
+    else:
+        return False
+    front, power = y.as_coeff_exponent(x)
+    return bool(front.is_positive and power.is_negative) and not front.has(x)
+
+
+def _falls_with_logarithm(factor: Expr, x: Expr) -> bool:
+    """Whether a factor is Gamma(s, y) or erfc(sqrt(y)) of a y = a - b log(x), b > 0."""
+    if isinstance(factor, sp.uppergamma):
+        y = factor.args[1]
+    elif isinstance(factor, sp.erfc):
+        y = factor.args[0] ** 2
+    else:
+        return False
+    return _falls(-sp.expand(y), x)
 
 
 def _falls(expr: Expr, x: Expr) -> bool:

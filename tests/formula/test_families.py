@@ -1,0 +1,60 @@
+"""Families of laws that have closed forms: each is found by a rule, proved or checked, and has the right value."""
+
+import pytest
+from sweeps import sweep
+
+import stickslip_sym as ss
+
+PROVED = {
+    "A*exp(-(v_0/v)^(1/3))": {"A": "0.5", "v_0": "0.3"},
+    "A*exp(-v_0/v^n)": {"A": "0.5", "v_0": "0.3", "n": "0.7"},
+    "mu_0 + a*exp(-b*v)*cos(w*v + f)": {"mu_0": "0.2", "a": "0.1", "b": "0.5", "w": 2, "f": "0.3"},
+    "0.3 + 0.1*exp(-0.5*v)*sin(0.5*v)": {},
+    "a*exp(-b*v)*sin(w*v)^2": {"a": "0.1", "b": "0.5", "w": 2},
+    "a*v*exp(-b*v)*sin(v)*cos(3*v)": {"a": "0.1", "b": "0.5"},
+    "a*sin(w*v)^3": {"a": "0.1", "w": 2},
+    "a*exp(-b*v)*log(1 + v/v_0)": {"a": "0.1", "b": "0.5", "v_0": "0.2"},
+    "a*exp(-b*v)*(1 + v/v_0)^(-1.001)": {"a": "0.1", "b": "0.5", "v_0": "0.2"},
+    "a*exp(-b*v)*(1 + v/v_0)^p": {"a": "0.1", "b": "0.5", "v_0": "0.2", "p": "0.4"},
+    "a*log(1 + exp(-v/v_0))": {"a": "0.1", "v_0": "0.2"},
+    "a*((1 + v/v_1)*(1 + v/v_2))^(-1/2)": {"a": "0.1", "v_1": "0.5", "v_2": "0.2"},
+    "a*sqrt(1 + v/v_1)*(1 + v/v_2)^(-1/2)": {"a": "0.1", "v_1": "0.5", "v_2": "0.2"},
+    "A/(a + b*v^(-1/2) + d/v)": {"A": "0.5", "a": 1, "b": "0.2", "d": "0.3"},
+    "A/(1 + b*v^(1/3))": {"A": "0.5", "b": "0.2"},
+    "a*exp(v/w)*erfc(sqrt(v/w))": {"a": "0.5", "w": "0.3"},
+    "a*exp(-v/w)*erf(sqrt(v/u))": {"a": "0.5", "w": "0.3", "u": "0.4"},
+    "mu_0/(1 + (v/v_s)^delta)": {"mu_0": "0.5", "v_s": "0.3", "delta": "1.7"},
+    "a/(b + d*v + f*v^2)": {"a": "0.5", "b": "0.3", "d": "1.7", "f": "0.2"},
+    "A*exp(-q^2*log(v/v_m)^2)": {"A": "0.3", "q": "1.2", "v_m": "0.4"},
+}
+"""Formulas with values of their parameters."""
+CHECKED = {
+    "sqrt(q/log(A/v))": {"q": "0.1", "A": 9},
+    "a*sqrt(1 - (v/v_m)^2)": {"a": "0.4", "v_m": 3},
+}
+"""The same of laws that end at a slip speed."""
+DIGITS = 25
+
+
+def assert_value(form, values, V):
+    law = form.law.bind(**values)
+    expected = ss.quadrature.damping(law, form.criterion, V=V, N=3, digits=40)
+    assert abs(form.evaluate(DIGITS + 5, V=V, N=3, **values) / expected - 1) < 10**-DIGITS
+    floats = {name: float(value) for name, value in values.items()}
+    assert form(V=float(V), N=3.0, **floats) == pytest.approx(float(expected), rel=1e-12)
+
+
+@sweep("formula", list(PROVED), *list(PROVED)[::4])
+def test_a_family_with_a_closed_form_is_proved(formula):
+    form = ss.derive(formula, search=False)
+    assert form.verdict.status is ss.Status.PROVED, form.verdict
+    for V in ("0.013", "0.7"):
+        assert_value(form, PROVED[formula], V)
+
+
+@pytest.mark.parametrize("formula", CHECKED)
+def test_a_law_that_ends_is_checked(formula):
+    form = ss.derive(formula, search=False)
+    assert form.verdict.status is ss.Status.CHECKED
+    for V in ("0.05", "0.7"):
+        assert_value(form, CHECKED[formula], V)
