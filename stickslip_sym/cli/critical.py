@@ -12,7 +12,10 @@ from stickslip_sym.core.errors import InputError
 
 @options.command(
     options.AT,
-    option("--of", metavar="NAME", default="all", help="V, N, m, k, c or a parameter, or all (all)."),
+    option(
+        "--of", metavar="NAME", default="all", help="V, N, m, k, c or a parameter, or all (all).",
+        shell_complete=options.complete_quantities,
+    ),
     options.DAMPING, options.METHOD,
     option("--within", metavar="LOW:HIGH", help="Where to look."),
     options.time_limit(),

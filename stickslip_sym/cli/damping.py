@@ -11,7 +11,6 @@ from stickslip_sym.cli.options import Given, file_option, option
 from stickslip_sym.cli.output import Json, echo_all, under_way
 from stickslip_sym.cli.reading import Point, points
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.uncertain import split
 from stickslip_sym.output.files import write_text
 
 _RTOL = 1e-10  # asked of every method that can be made more accurate, with --all
@@ -73,6 +72,7 @@ def run(given: Given) -> None:
 
 def _draw(path: Path, at: Point, threshold: Threshold) -> None:
     from stickslip_sym.comparison.plane import figure_of
+    from stickslip_sym.core.uncertain import split
     from stickslip_sym.output.drawing import save
 
     numbers = {name: split(text, name) for name, text in at.texts.items()}

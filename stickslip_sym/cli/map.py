@@ -13,7 +13,6 @@ from stickslip_sym.cli.options import Given, option, read_number
 from stickslip_sym.cli.output import echo_found, under_way
 from stickslip_sym.cli.reading import point
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.units import in_si, with_unit_of
 from stickslip_sym.output.tables import table
 
 if TYPE_CHECKING:
@@ -28,6 +27,8 @@ _WIDTH, _HEIGHT = 60, 20  # of the picture in text
 def read_axis(text: str, option: str, law: ss.FrictionLaw) -> tuple[str, FloatArray]:
     """Read NAME=START:STOP:COUNT, the ends in SI units or others."""
     import numpy as np
+
+    from stickslip_sym.core.units import in_si, with_unit_of
 
     name, parts, equals = _name(text), text.partition("=")[2].split(":"), "=" in text
     if not equals or len(parts) != 3:

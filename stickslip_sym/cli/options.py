@@ -4,6 +4,8 @@ A command is a function of `Given`, which notes the options that are read: `Give
 does nothing here, so that none is dropped without a word.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
@@ -14,8 +16,6 @@ from click.core import ParameterSource
 
 import stickslip_sym as ss
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import fraction
-from stickslip_sym.core.units import in_si, with_unit_of
 from stickslip_sym.model.operating_point import PAPER
 
 _PICTURES = (".svg", ".png", ".pdf")
@@ -78,7 +78,22 @@ def option(*names: str, read: Reader | None = None, default: Any = None, **more:
         text = texts[0] if texts else default
         return read(text, name) if read is not None and isinstance(text, str) else text
 
-    return click.Option(names, multiple=True, callback=value, **more)
+    kind = more.pop("cls", click.Option)
+    made: click.Option = kind(names, multiple=True, callback=value, **more)
+    return made
+
+
+class _HelpWhenShown(click.Option):
+    """An option whose help is made when it is shown, since that loads what completion does without."""
+
+    def __init__(self, *names: Any, text: Callable[[], str], **more: Any) -> None:
+        super().__init__(*names, **more)
+        self._text = text
+
+    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
+        """Return the two columns of the help."""
+        self.help = self._text()
+        return super().get_help_record(ctx)
 
 
 def read_pairs(texts: Sequence[str], example: str) -> dict[str, str]:
@@ -95,15 +110,20 @@ def read_pairs(texts: Sequence[str], example: str) -> dict[str, str]:
     return values
 
 
-def pairs(*names: str, text: str, example: str, metavar: str = "NAME=VALUE") -> click.Option:
+def pairs(
+    *names: str, text: str, example: str, metavar: str = "NAME=VALUE", shell_complete: Any = None
+) -> click.Option:
     """Return an option that takes NAME=VALUE, and may be repeated; its value is a dictionary."""
     return option(
-        *names, metavar=metavar, multiple=True, help=text, callback=lambda *given: read_pairs(given[2], example)
-    )
+        *names, metavar=metavar, multiple=True, help=text, shell_complete=shell_complete,
+        callback=lambda *given: read_pairs(given[2], example),
+    )  # fmt: skip
 
 
 def read_number(text: Any, name: str) -> float:
     """Read a number as people write one, such as 0.5, 1e-3 or 1/3, of a size that an operating point may have."""
+    from stickslip_sym.core.numbers import fraction
+
     value = fraction(text, name)
     if value and not 1 <= abs(value) * _LARGEST <= _LARGEST**2:
         raise InputError(
@@ -115,6 +135,8 @@ def read_number(text: Any, name: str) -> float:
 
 def read_range(text: str, name: str, *, of: str, unit: str | None = None, half: bool = False) -> tuple[Any, ...]:
     """Read LOW:HIGH, values of a quantity in SI units or others; where `half` is true either may be left out."""
+    from stickslip_sym.core.units import in_si, with_unit_of
+
     ends = text.split(":")
     if len(ends) != 2 or (not half and not all(ends)):
         raise InputError(f"{name} {text[:60]!r} is not LOW:HIGH; write for example {name} 0.1:10")
@@ -166,15 +188,40 @@ def time_limit(text: str = "Seconds of computation.", default: float | None = No
 
 def criterion(*more: str) -> click.Option:
     """Return the option that names a criterion, or one of more words."""
-    names = [*ss.criteria.catalogue, *more]
+
+    def names() -> list[str]:
+        return [*ss.criteria.catalogue, *more]
+
     return option(
-        "--criterion", metavar="NAME", default="least_squares", help=f"{', '.join(names)} (least_squares).",
-        shell_complete=_complete(lambda: names),
+        "--criterion", cls=_HelpWhenShown, metavar="NAME", default="least_squares",
+        help="A criterion (least_squares).", shell_complete=_complete(names),
+        text=lambda: f"{', '.join(names())} (least_squares).",
     )  # fmt: skip
 
 
 def _complete(names: Callable[[], Iterable[str]]) -> Callable[..., list[str]]:
     return lambda context, parameter, begun: [name for name in names() if name.startswith(begun)]
+
+
+def _law_names() -> list[str]:
+    from stickslip_sym.model.catalogue import ENTRIES
+
+    return [entry.name for entry in ENTRIES]
+
+
+def _parameters_of(context: click.Context) -> list[str]:
+    """Return the beginnings of values for the law that was named, or for every law where it is another."""
+    from stickslip_sym.model.catalogue import ENTRIES
+
+    words = {context.params.get("law"), *context.args}  # where an option still lacks its value, all words are args
+    named = [entry for entry in ENTRIES if entry.name in words] or ENTRIES
+    return [f"{name}=" for name in dict.fromkeys(name for entry in named for name in entry.parameters.split())]
+
+
+def complete_quantities(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
+    """Return what a quantity may be called: V, N, m, k, c, or a parameter of the law."""
+    names = [*"VNmkc", *(text.removesuffix("=") for text in _parameters_of(context))]
+    return [name for name in names if name.startswith(begun)]
 
 
 def _methods() -> list[str]:
@@ -207,7 +254,7 @@ FILE_OF_MEASUREMENTS = [
     option("--keep-outliers", is_flag=True, help="Keep rows off a smooth curve, which are refused otherwise."),
 ]  # fmt: skip
 """How a file of measurements is read."""
-LAW_NAMES: dict[str, Any] = {"metavar": "[LAW]", "shell_complete": _complete(lambda: ss.laws.catalogue)}
+LAW_NAMES: dict[str, Any] = {"metavar": "[LAW]", "shell_complete": _complete(_law_names)}
 """What an argument or an option has that takes the name of a law, or a formula."""
 AT = [
     click.Argument(["law"], required=False, **LAW_NAMES),
@@ -215,7 +262,13 @@ AT = [
     option("--from-csv", type=Path, metavar="FILE", help="Measured friction: v and mu, or v, F_t and F_n."),
     *FILE_OF_MEASUREMENTS,
     option("--extrapolate", is_flag=True, help="Hold the first and the last measured coefficient."),
-    pairs("--parameter", "-p", text="Value of a parameter of the law.", example="-p alpha=3"),
+    pairs(
+        "--parameter",
+        "-p",
+        text="Value of a parameter of the law.",
+        example="-p alpha=3",
+        shell_complete=lambda context, _, begun: [one for one in _parameters_of(context) if one.startswith(begun)],
+    ),
     option("-V", "V", metavar="M/S", help=f"Belt speed ({PAPER['V']})."),
     option("-N", "N", metavar="N", help=f"Normal force ({PAPER['N']})."),
     option("-m", "m", metavar="KG", help=f"Mass ({PAPER['m']})."),

@@ -1,5 +1,6 @@
 """The command line, ``stickslip``."""
 
+import ast
 import errno
 import importlib
 import os
@@ -7,14 +8,16 @@ import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import click
+from click.shell_completion import CompletionItem
 
 from stickslip_sym.cli.wording import in_options
 from stickslip_sym.core.errors import InputError, InputWarning, StickSlipError
 from stickslip_sym.core.foreign import printable
-from stickslip_sym.core.numbers import suggestion
+from stickslip_sym.core.names import suggestion
 from stickslip_sym.core.remedies import worded
 from stickslip_sym.core.version import __version__
 
@@ -51,6 +54,18 @@ class Program(click.Group):
         command: click.Command = importlib.import_module(f"stickslip_sym.cli.{name}").run
         return command
 
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the commands with their summaries, which are read without loading the commands."""
+        width = formatter.width - 6 - max(map(len, COMMANDS))
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, _summary(name, width)) for name in COMMANDS])
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        """Return the commands and options that begin so, without loading a command."""
+        begun = [name for name in COMMANDS if name.startswith(incomplete)]
+        options = click.Command.shell_complete(self, ctx, incomplete) if incomplete.startswith("-") else []
+        return [CompletionItem(name, help=_summary(name)) for name in begun] + options
+
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command; an error goes to stderr in a line or two, and decides the exit code."""
         with worded(lambda remedy: in_options(remedy, ctx)):
@@ -59,6 +74,13 @@ class Program(click.Group):
             except StickSlipError as error:
                 click.echo(printable(f"error: {error}", lines=True), err=True)
                 return BAD_INPUT if isinstance(error, InputError) else NO_RESULT
+
+
+def _summary(name: str, width: int = 80) -> str:
+    """Return the first sentence of a command's docstring."""
+    module = ast.parse(Path(__file__).with_name(f"{name}.py").read_text(encoding="utf-8"))
+    functions = (node for node in module.body if isinstance(node, ast.FunctionDef) and node.name == "run")
+    return click.Command(name, help=ast.get_docstring(next(functions))).get_short_help_str(width)
 
 
 @click.group("stickslip", cls=Program, invoke_without_command=True)

@@ -12,10 +12,7 @@ import click
 
 import stickslip_sym as ss
 from stickslip_sym.cli.options import Given, read_number
-from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.uncertain import split
-from stickslip_sym.core.units import in_si
 from stickslip_sym.model.operating_point import PAPER
 from stickslip_sym.output.files import read_bytes
 
@@ -37,10 +34,14 @@ class Point:
     @property
     def numbers(self) -> dict[str, float]:
         """The quantities without their errors."""
+        from stickslip_sym.core.uncertain import split
+
         return {name: read_number(split(text, name)[0], name) for name, text in self.texts.items()}
 
     def exact(self, command: str) -> Point:
         """Return the point, for a command that computes without standard errors, or refuse the first of them."""
+        from stickslip_sym.core.uncertain import split
+
         quantities = [f"-{name}" for name, text in self.texts.items() if split(text, name)[0] != text]
         if uncertain := [*quantities, *(f"-p {name}" for name in self.law.uncertain)]:
             raise InputError(
@@ -49,6 +50,8 @@ class Point:
         return self
 
     def __str__(self) -> str:
+        from stickslip_sym.core import symbols
+
         law, parameters = self.law, list[str]()
         for name, value in law.values.items():
             unit = law.parameters[name].unit
@@ -71,6 +74,8 @@ def points(
     - `without`: quantities that are not given here, as they are sought for or an axis.
     - `law`: one that is fitted, so that none is read.
     """
+    from stickslip_sym.core.units import in_si
+
     wanted = {name: default for name, default in {**PAPER, "c": c}.items() if name not in without}
     read = []
     for file in given["point"] or (None,):

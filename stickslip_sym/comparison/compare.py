@@ -15,7 +15,8 @@ import numpy as np
 
 from stickslip_sym.core.deadline import check_time, require_seconds
 from stickslip_sym.core.errors import InputError, StickSlipError
-from stickslip_sym.core.numbers import lookup, read_rtol
+from stickslip_sym.core.names import lookup
+from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.core.progress import stages, steps
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.uncertain import UFloat

@@ -23,7 +23,8 @@ from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.numbers import Number, exact, lookup
+from stickslip_sym.core.names import lookup
+from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.core.precision import mp
 from stickslip_sym.core.progress import steps
 from stickslip_sym.core.remedies import Call, Values

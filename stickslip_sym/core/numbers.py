@@ -7,10 +7,8 @@ double precision is read by `real` and `read_array`.
 
 import math
 import re
-from collections.abc import Mapping
 from contextlib import suppress
 from decimal import Decimal
-from difflib import get_close_matches
 from fractions import Fraction
 from functools import reduce
 from operator import truediv
@@ -135,17 +133,3 @@ def within(constant: Expr, limit: int) -> bool:
     """Return whether a constant expression is real and at most `limit` in size."""
     value = constant.evalf(5)
     return bool(value.is_Number and abs(value) <= limit)
-
-
-def lookup(kind: str, name: str, table: Mapping[str, T]) -> T:
-    """Return the entry of a table, or raise an `InputError` that suggests the closest name."""
-    if isinstance(name, str) and name in table:
-        return table[name]
-    known = ", ".join(table)
-    raise InputError(f"there is no {kind} {str(name)[:60]!r}{suggestion(str(name), table)}; known: {known}")
-
-
-def suggestion(wrong: str, known: Mapping[str, object] | list[str]) -> str:
-    """Return ' (did you mean ...?)' when a known name is close to the wrong one, else an empty text."""
-    close = get_close_matches(wrong, list(known), n=1, cutoff=0.6)
-    return f" (did you mean {close[0]!r}?)" if close else ""

@@ -14,7 +14,7 @@ import sympy as sp
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import lookup
+from stickslip_sym.core.names import lookup
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,8 @@ from stickslip_sym.core.aliases import Expr, Mpf
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.deadline import time_limit as limit
 from stickslip_sym.core.errors import InputError, NoClosedForm, NotConverged, OutOfTime
-from stickslip_sym.core.numbers import Number, exact, require_type, suggestion
+from stickslip_sym.core.names import suggestion
+from stickslip_sym.core.numbers import Number, exact, require_type
 from stickslip_sym.core.progress import Step, listened_by, stages
 from stickslip_sym.core.remedies import Argument, Call
 from stickslip_sym.core.status import Status

@@ -16,7 +16,8 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, Mpf, Numbers
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.numbers import binary_fraction, read_array, suggestion
+from stickslip_sym.core.names import suggestion
+from stickslip_sym.core.numbers import binary_fraction, read_array
 from stickslip_sym.core.precision import mp, own_mpf, rounded
 from stickslip_sym.core.remedies import Argument, Call
 from stickslip_sym.criteria.criterion import Criterion, find

@@ -13,7 +13,8 @@ from stickslip_sym.core.aliases import Expr, FloatArray, Rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.foreign import printable
 from stickslip_sym.core.lambdify import Backend
-from stickslip_sym.core.numbers import Number, exact, require_type, suggestion
+from stickslip_sym.core.names import suggestion
+from stickslip_sym.core.numbers import Number, exact, require_type
 from stickslip_sym.core.remedies import AnySign, Argument, Values
 from stickslip_sym.core.uncertain import UFloat, separated, spread
 from stickslip_sym.core.units import in_si

@@ -15,11 +15,10 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from stickslip_sym.core.errors import InputError
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
     from stickslip_sym.core.aliases import ObjectArray
@@ -124,11 +123,15 @@ def _refusing(path: Path) -> Iterator[None]:
 
 def texts(array: "ObjectArray") -> "NDArray[np.str_]":
     """Return an array of members of an enumeration as text."""
+    import numpy as np
+
     return np.array([entry.value for entry in np.ravel(array)]).reshape(np.shape(array))
 
 
 def write_csv(path: Path, columns: "Mapping[str, ArrayLike]") -> None:
     """Write arrays of one size as columns of a CSV file, floats to their last digit, as `write_text` does."""
+    import numpy as np
+
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(columns)
@@ -138,6 +141,8 @@ def write_csv(path: Path, columns: "Mapping[str, ArrayLike]") -> None:
 
 def write_npz(path: Path, arrays: "Mapping[str, ArrayLike]") -> None:
     """Write arrays as ``numpy.savez_compressed`` does, which notes no time, as `write_text` does."""
+    import numpy as np
+
     buffer, named = io.BytesIO(), dict[str, Any](arrays)
     np.savez_compressed(buffer, **named)
     write_text(path, buffer.getvalue())

@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable, Mapping
 
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import suggestion
+from stickslip_sym.core.names import suggestion
 
 _GREEK = frozenset(
     {

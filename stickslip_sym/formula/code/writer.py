@@ -15,7 +15,7 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import row
-from stickslip_sym.core.numbers import lookup
+from stickslip_sym.core.names import lookup
 from stickslip_sym.core.remedies import Values
 from stickslip_sym.core.status import Status
 from stickslip_sym.formula.code.languages import LANGUAGES, Language

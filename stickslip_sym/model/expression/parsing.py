@@ -22,7 +22,8 @@ import sympy as sp
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import CONSTANTS, in_laws, power
-from stickslip_sym.core.numbers import bits, suggestion, within
+from stickslip_sym.core.names import suggestion
+from stickslip_sym.core.numbers import bits, within
 from stickslip_sym.model.expression.pieces import Bound, bound_of, in_pieces, larger, sign, smaller
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")

@@ -16,7 +16,8 @@ from uncertainties import UFloat, correlated_values, covariance_matrix
 
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, StickSlipError
-from stickslip_sym.core.numbers import lookup, read_array, real
+from stickslip_sym.core.names import lookup
+from stickslip_sym.core.numbers import read_array, real
 from stickslip_sym.core.uncertain import interval, with_error
 from stickslip_sym.model.fitting.averaged import Averaged, ByLaw
 from stickslip_sym.model.fitting.least_squares import Problem

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import read_array, real, suggestion
+from stickslip_sym.core.names import suggestion
+from stickslip_sym.core.numbers import read_array, real
 from stickslip_sym.core.remedies import Values
 from stickslip_sym.core.units import in_si
 from stickslip_sym.model.content import text_of_law

@@ -21,7 +21,8 @@ from scipy.optimize import brentq
 from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged
-from stickslip_sym.core.numbers import SAME, lookup, read_array, read_rtol, real
+from stickslip_sym.core.names import lookup
+from stickslip_sym.core.numbers import SAME, read_array, read_rtol, real
 from stickslip_sym.core.remedies import Argument
 from stickslip_sym.core.units import in_si
 from stickslip_sym.criteria.criterion import Criterion, harmonic

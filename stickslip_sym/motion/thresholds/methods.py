@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
 from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
-from stickslip_sym.core.numbers import lookup
+from stickslip_sym.core.names import lookup
 from stickslip_sym.core.progress import steps
 from stickslip_sym.core.remedies import Argument, Name
 from stickslip_sym.criteria import criterion as criteria
