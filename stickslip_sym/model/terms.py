@@ -176,12 +176,27 @@ def _with_plain_factors(product: Expr) -> Expr:
         base, exponent = factor.as_base_exp()
         if base != v and base.has(v) and base.free_symbols != {v} and base.is_polynomial(v):
             powers = sp.Poly(base, v)
+            if (square := _completed_square(powers)) is not None:
+                unit, shift, width = square
+                plain += [unit**exponent, ((v + shift) ** 2 + width**2) ** exponent]
+                continue
             unit = sp.factor(powers.nth(0) or powers.LC())
             if unit.is_positive or exponent.is_Integer:
                 plain += [unit**exponent, _factored(base, unit) ** exponent]
                 continue
         plain.append(factor)
     return sp.Mul(*plain)
+
+
+def _completed_square(powers: sp.Poly) -> tuple[Expr, Expr, Expr] | None:
+    """Return a, b and w > 0 of a ((v + b)^2 + w^2), where v + b may be 0: so b and w are what a reader knows."""
+    if powers.degree() != 2 or powers.nth(1).is_nonnegative:
+        return None
+    a, middle, c = powers.all_coeffs()
+    gap = sp.factor(4 * a * c - middle**2)
+    if not (a.is_positive and gap.is_positive):
+        return None
+    return a, sp.factor(middle / (2 * a)), sp.sqrt(gap) / (2 * a)
 
 
 def _factored(expr: Expr, unit: Expr = sp.S.One) -> Expr:
@@ -300,6 +315,10 @@ def speed_scales(expr: Expr, v: Expr) -> list[Expr]:
 
 
 def _scales_of(node: Expr, v: Expr) -> Iterator[Expr]:
+    if node.is_Pow and node.base.free_symbols - {v} and node.base.is_Add and node.base.is_polynomial(v):
+        square = _completed_square(sp.Poly(node.base, v))
+        if square is not None:
+            yield square[2]
     if isinstance(node, RELATIONS):
         yield place_of(node)
     elif node.is_Pow and not node.exp.is_Integer and node.base.is_Mul:

@@ -17,6 +17,10 @@ PROVED = {
     "a*exp(-b*v)*(1 + v/v_0)^(-1.001)": {"a": "0.1", "b": "0.5", "v_0": "0.2"},
     "a*exp(-b*v)*(1 + v/v_0)^p": {"a": "0.1", "b": "0.5", "v_0": "0.2", "p": "0.4"},
     "a*log(1 + exp(-v/v_0))": {"a": "0.1", "v_0": "0.2"},
+    "a*log(1 + 3*exp(v/v_0))": {"a": "0.1", "v_0": "0.2"},
+    "a*log(cosh(v/v_0))": {"a": "0.1", "v_0": "0.2"},
+    "sqrt((v - v_0)^2 + w^2)": {"v_0": "0.3", "w": "0.2"},
+    "a/((v - v_0)^2 + w^2)": {"a": "0.1", "v_0": "0.3", "w": "0.2"},
     "a*((1 + v/v_1)*(1 + v/v_2))^(-1/2)": {"a": "0.1", "v_1": "0.5", "v_2": "0.2"},
     "a*sqrt(1 + v/v_1)*(1 + v/v_2)^(-1/2)": {"a": "0.1", "v_1": "0.5", "v_2": "0.2"},
     "A/(a + b*v^(-1/2) + d/v)": {"A": "0.5", "a": 1, "b": "0.2", "d": "0.3"},
@@ -58,3 +62,21 @@ def test_a_law_that_ends_is_checked(formula):
     assert form.verdict.status is ss.Status.CHECKED
     for V in ("0.05", "0.7"):
         assert_value(form, CHECKED[formula], V)
+
+
+def test_a_damped_wave_has_a_harmonic_average_by_bessel_functions_of_a_complex_argument():
+    formula = "mu_0 + a*exp(-b*v)*cos(w*v + f)"
+    form = ss.derive(formula, "harmonic", search=False)
+    assert form.verdict.status is ss.Status.CHECKED
+    for V in ("0.013", "0.7"):
+        assert_value(form, PROVED[formula], V)
+
+
+@pytest.mark.parametrize(
+    ("formula", "simple"),
+    [("mu_0*(sin(v)^2 + cos(v)^2)", "mu_0"), ("mu_0*sin(b*v)^2 + mu_0*cos(b*v)^2 - a*v", "mu_0 - a*v"),
+     ("a*cosh(v)^2 - a*sinh(v)^2", "a"), ("sin(v)^2 + cos(2*v)^2", "sin(v)^2 + cos(2*v)^2")],
+)  # fmt: skip
+@pytest.mark.filterwarnings("ignore:the formula has no v")
+def test_a_sum_that_is_one_is_seen(formula, simple):
+    assert ss.FrictionLaw(formula).text == ss.FrictionLaw(simple).text

@@ -258,6 +258,15 @@ def _exponential_of_root(polynomial: Expr, error: Expr, exponential: Expr, u: Ex
     return None if left is None else whole * exponential * error - left[1]
 
 
+def _log_cosh(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
+    """Integrate u^n log(cosh(a u + b)) by parts: what is left is u^(n + 1) tanh(a u + b)."""
+    if node.is_Pow or not isinstance(node.args[0], sp.cosh):
+        return None
+    (x,), whole = node.args[0].args, _integral(polynomial, u)
+    left = antiderivative(sp.expand(whole * sp.diff(x, u)) * sp.tanh(x), sp.Integer(1), u)
+    return None if left is None else whole * node - left[1]
+
+
 def _softplus(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     """Integrate u^n log(1 + c exp(k u)) = -u^n Li_1(-c exp(k u)), c > 0: Li_s(z) integrates to Li_(s+1)(z)/k."""
     rest, exponential = (node.args[0] - 1).as_independent(sp.exp, as_Add=False)
@@ -371,7 +380,8 @@ def _fraction(numerator: Expr, monic: list[Expr], power: int, u: Expr) -> Expr |
     """Integrate (A u + B)/(u^2 + b u + c)^power by Hermite's reduction, or B/(u + c)^power."""
     base = sp.Poly(monic, u).as_expr()
     *middle, c = monic[1:]
-    over = sp.log(sp.expand(base / (c or 1))) if power == 1 else base ** (1 - power) / (1 - power)
+    of_zero = 1 + sp.expand(sp.expand(base - c) / c) if c != 0 else base
+    over = sp.log(of_zero) if power == 1 else base ** (1 - power) / (1 - power)
     if not middle:
         return numerator * over
     (b,), line = middle, sp.Poly(numerator, u)
@@ -474,6 +484,7 @@ _RULES = (
     Rule("integration by parts, and exponential integral", (sp.exp, sp.log), _exponential_logarithm),
     Rule("integration by parts, and powers", ((sp.erf, sp.erfc), sp.exp), _exponential_of_root),
     Rule("polylogarithm", (sp.log,), _softplus),
+    Rule("integration by parts, and repeated integrals", (sp.log,), _log_cosh),
     Rule("square root of a product", (sp.Pow, sp.Pow), _product_of_roots),
     Rule("partial fractions of a root", None, _rational_in_root),
     Rule("dilogarithm", None, _logarithm_over_linear),

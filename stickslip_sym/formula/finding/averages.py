@@ -20,14 +20,23 @@ from stickslip_sym.formula.finding.matching import (
     first_rule,
     minus_discriminant,
     partial_fractions,
+    waves_apart,
 )
+from stickslip_sym.model.terms import grouped
 
 _HALF = sp.Rational(1, 2)
 
 
 def harmonic_average(rest: Expr, u: Expr, V: Expr) -> tuple[str, Expr] | None:
-    """Return the name of the rule that averages a term and H[rest], or None."""
-    return first_rule(_RULES, rest, sp.Integer(1), u, V)
+    """Return the name of the rule that averages a term and H[rest], or None; waves apart, each by its rule."""
+    names, total = [], sp.Integer(0)
+    for part, constant in grouped(waves_apart(rest), u).items():
+        average = first_rule(_RULES, part, sp.Integer(1), u, V) if part.has(u) else ("polynomial", sp.Integer(0))
+        if average is None:
+            return None
+        names.append(average[0])
+        total += constant * average[1]
+    return ", ".join(dict.fromkeys(names)), total
 
 
 def _in_cosines(polynomial: Expr, u: Expr, V: Expr) -> list[Expr]:
@@ -190,6 +199,19 @@ def _bessel(polynomial: Expr, node: Expr, line: list[Expr], u: Expr, V: Expr) ->
     return sp.exp(shift + rate * V) * sp.expand(sp.expand_func(average))
 
 
+def _damped_wave(polynomial: Expr, factors: Expr, u: Expr, V: Expr) -> Expr | None:
+    """Average u^n exp(a u + c) cos(b u + d), or sin: the real part of the rule for exp((a + i b) u)."""
+    exponential, wave = factors.as_independent(sp.sin, sp.cos, as_Add=False)
+    if not (isinstance(exponential, sp.exp) and isinstance(wave, sp.sin | sp.cos)):
+        return None
+    (a, *c), (b, *d) = (coefficients(factor.args[0], u) for factor in (exponential, wave))
+    if not len(c) == len(d) == 1:
+        return None
+    z, phase = a + sp.I * b, c[0] + sp.I * d[0]
+    part = sp.re if isinstance(wave, sp.cos) else sp.im
+    return _averages(polynomial, lambda k: part(sp.exp(phase + z * V) * sp.besseli(k, -z * V)), u, V)
+
+
 def _logarithm(polynomial: Expr, node: Expr, line: list[Expr], u: Expr, V: Expr) -> Expr | None:
     """Average u^n log(a u + b), b >= 0, and log(a u + b)^2; H[log(1 + a u)] = -2 a/(1 + a V + sqrt(1 + 2 a V)).
 
@@ -307,6 +329,7 @@ def average_of_pieces(pieces: list[Expr], ends: list[Expr], u: Expr, V: Expr) ->
 _RULES = (
     Rule("residues", None, _rational),
     Rule("Bessel functions", ((sp.exp, sp.sin, sp.cos),), _bessel, degree=1),
+    Rule("Bessel functions of a complex argument", None, _damped_wave),
     Rule("Fourier coefficients of the logarithm", (sp.log,), _logarithm, degree=1),
     Rule("Fourier coefficients of the arctangent", (sp.atan,), _arctangent, degree=1),
     Rule("Fourier coefficients of the logarithm of a quadratic", (sp.log,), _logarithm_of_quadratic, degree=2),

@@ -34,6 +34,8 @@ def normal_form(expr: Expr) -> Expr:
     - A product of an exponential and hyperbolic functions is a sum of exponentials.
     - tanh(log(x)) is (x^2 - 1)/(x^2 + 1), and log(b + a/v^p) a difference of logarithms without the quotient.
     - ``1/(5*v + 5)`` is (1/5)/(v + 1).
+    - sin(x)^2 + cos(x)^2, and cosh(x)^2 - sinh(x)^2, is 1.
+    - log(b + a*exp(x)), x growing, is x plus a logarithm that falls.
     - coth(x) - 1/x is Langevin's function, one node.
     - No two kinks stand in one term.
     """
@@ -57,7 +59,20 @@ def _rebuilt(node: Expr, parts: list[Expr]) -> Expr:
         return _of_logarithm(made)
     if made.is_Mul:
         return _product(made)
+    if made.is_Add:
+        made = _with_ones(made)
     return _without_poles(made) if made.is_Add and made.has(sp.coth) else made
+
+
+def _with_ones(expr: Expr) -> Expr:
+    """Write a sin(x)^2 + a cos(x)^2, and a cosh(x)^2 - a sinh(x)^2, as a."""
+    for squared, other, sign in ((sp.sin, sp.cos, 1), (sp.sinh, sp.cosh, -1)):
+        for node in expr.atoms(squared):
+            x = node.args[0]
+            front = expr.coeff(squared(x) ** 2)
+            if front != 0 and expr.is_Add and expr.coeff(other(x) ** 2) == sign * front:
+                expr = sp.expand_mul(expr - front * squared(x) ** 2 - sign * front * other(x) ** 2) + sign * front
+    return expr
 
 
 def _power(base: Expr, exponent: Expr) -> Expr:
@@ -103,7 +118,11 @@ def _exponential(argument: Expr) -> Expr:
 
 
 def _logarithm(expr: Expr) -> Expr:
-    """Return log(b + a/v^p) as log(1 + b v^p/a) - log(v^p) + log(a)."""
+    """Return log(b + a/v^p) as log(1 + b v^p/a) - log(v^p) + log(a), and log(b + a exp(x)) likewise."""
+    growing = _growing_exponential(expr.args[0])
+    if growing is not None:
+        b, a, x = growing
+        return x + sp.log(1 + b / a * sp.exp(-x)) + sp.log(a)
     offset, rest = expr.args[0].as_independent(symbols.v, as_Add=True)
     front, base_power = rest.as_independent(symbols.v, as_Add=False)
     base, exponent = base_power.as_base_exp()
@@ -111,6 +130,16 @@ def _logarithm(expr: Expr) -> Expr:
         return expr
     inverse = power(symbols.v, -exponent) / front
     return sp.log(1 + offset * inverse) + exponent * sp.log(symbols.v) + sp.log(front)
+
+
+def _growing_exponential(expr: Expr) -> tuple[Expr, Expr, Expr] | None:
+    """Return b, a and x of b + a exp(x), where x grows with v and both are positive; None for anything else."""
+    b, rest = expr.as_independent(symbols.v, as_Add=True)
+    a, exponential = rest.as_independent(symbols.v, as_Add=False)
+    if not isinstance(exponential, sp.exp) or not (a.is_positive and b.is_positive):
+        return None
+    rate = sp.diff(exponential.exp, symbols.v)
+    return (b, a, exponential.exp) if rate.is_positive and not rate.has(symbols.v) else None
 
 
 def _of_logarithm(expr: Expr) -> Expr:
