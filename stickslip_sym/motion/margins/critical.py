@@ -10,6 +10,7 @@ from bisect import bisect_left
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import cached_property
 from itertools import compress, pairwise
 from operator import not_
 from typing import Any, NamedTuple, NoReturn
@@ -19,7 +20,7 @@ import sympy as sp
 from scipy.optimize import brentq
 
 from stickslip_sym.core import deadline, symbols
-from stickslip_sym.core.aliases import BoolArray, FloatArray
+from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray
 from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged
 from stickslip_sym.core.names import lookup
 from stickslip_sym.core.numbers import SAME, read_array, read_rtol, real
@@ -351,6 +352,32 @@ class _Search:
             return OperatingPoints.of(self.law, **self.quantities, **{self.of: x})
         return OperatingPoints.of(self.law.bind(**{self.of: x}), **self.quantities)
 
+    @cached_property
+    def amplitude(self) -> Expr | None:
+        """The factor of mu' that holds the parameter that is sought; None if that is part of more.
+
+        Slip depends on mu only by how it rises or falls with speed: such a parameter acts as the normal force does.
+        """
+        if self.is_quantity or self.law.static is not None or not self.law.values.get(self.of):
+            return None
+        _, factor = self.law.slope_expr.as_independent(self.law.parameters[self.of].symbol, as_Add=False)
+        is_usable = not factor.has(symbols.v) and self.law.number(factor)
+        return factor if is_usable else None
+
+    def _force(self, x: float) -> float:
+        """Return the normal force at which the law as it is has the thresholds of another amplitude; 0 if none."""
+        if self.amplitude is None:
+            return 0.0
+        factor = self.law.bind(**{self.of: x}).number(self.amplitude) / self.law.number(self.amplitude)
+        return max(float(self.quantities["N"]) * factor, 0.0)
+
+    def _alike(self, x: float | FloatArray) -> OperatingPoints:
+        """Return operating points with the thresholds of those for values of what is sought."""
+        forces = np.array([self._force(one) for one in np.ravel(x).tolist()])
+        if not forces.all():
+            return self.at(x)
+        return OperatingPoints.of(self.law, **self.quantities | {"N": forces})
+
     @property
     def _usual(self) -> float:
         """The value that a parameter has, or typically has; 0 where neither is known."""
@@ -387,10 +414,12 @@ class _Search:
         - `sketch`: whether a small part of their distance from c is a small enough error.
         """
         known = self.sketched if sketch else self.sampled
-        new = np.array(sorted({place for place in x.tolist() if place not in known}))
-        if new.size and self.is_quantity:
-            known |= dict(zip(new.tolist(), zip(*self._thresholds(new, sketch), strict=True), strict=True))
-        for place in [] if self.is_quantity else new.tolist():
+        new = sorted({place for place in x.tolist() if place not in known})
+        together = np.array([place for place in new if self.is_quantity or self._force(place)])
+        if together.size:
+            rows = zip(*self._thresholds(together, sketch), strict=True)
+            known |= dict(zip(together.tolist(), rows, strict=True))
+        for place in [place for place in new if place not in known]:
             value, error = self._thresholds(place, sketch)
             known[place] = float(value[0]), float(error[0])
         columns = np.array([known[place] for place in x.tolist()]).reshape(-1, 2)
@@ -402,7 +431,7 @@ class _Search:
         value: FloatArray
         error: FloatArray
         try:
-            points = self.at(x)
+            points = self._alike(x)
             if self.criterion is not None:
                 value = points.N * slope_mean(points.law.kinetic, self.criterion, points.V)
                 lost = np.isnan(value)  # as where a slope overflows, with huge exponents
@@ -569,6 +598,8 @@ class _Search:
         seen = [self._quick(float(quantity(one))) for one in u.tolist()]
         edges = set(arguments)
         for (low, before), (high, after) in pairwise(zip(u.tolist(), seen, strict=True)):
+            if len(before.speeds) != len(after.speeds):
+                continue  # one came or went: the law itself changes there
             for side in (0, 1):  # the highest slip speed, and the belt's
                 for i in range(*sorted((before.met[side], after.met[side]))):
 
@@ -584,10 +615,15 @@ class _Search:
         if x not in self.quick:
             none = _QuickSpeeds((), (1.0, 1.0))
             try:
-                points = self.at(x)
-                V = float(points.V[0])
-                speeds = quick_speeds(points.bound.table, V)
-                self.quick[x] = _QuickSpeeds(tuple(speeds), (self._highest(points), V)) if speeds else none
+                changes_law = not self.is_quantity and self.amplitude is None
+                points = self.at(x) if changes_law else None
+                law = self.law.bound if points is None else points.bound
+                V = self.quantities.get("V", math.inf)
+                if speeds := quick_speeds(law.table, V):
+                    points = points or self._alike(x)
+                    self.quick[x] = _QuickSpeeds(tuple(speeds), (self._highest(points), float(points.V[0])))
+                else:
+                    self.quick[x] = none
             except NO_RESULT:
                 self.quick[x] = none
         return self.quick[x]

@@ -1,0 +1,165 @@
+"""One question, asked of every function that answers it: the answers agree, or one says that it does not know.
+
+The laws are of all shapes, the operating points random, eta from 10^-4 to 10^4, and the dampings beside the
+threshold as a rule.
+"""
+
+import math
+from dataclasses import asdict, replace
+from random import Random
+
+import numpy as np
+import pytest
+from commands import inside, read_json
+from one_question import DAMPINGS, NoAnswer, asked, drawn
+from sweeps import sweep
+
+import stickslip_sym as ss
+from stickslip_sym import Motion
+
+ERRORS = 10.0  # of a threshold, or of a critical value, on either side of which the fate of the slip is asked
+RESOLVED = 1e-11, 1e-12  # of a threshold and of sqrt(k m): what its error is taken for at least
+BESIDE = 1e-5  # relative, beside a critical value at least
+DIGITS = 1e-10  # of N/V times the largest rise of mu, by which averages may differ
+SECONDS = 20  # for an answer
+AMONG = 21  # cells of a row
+KINDS = {"Rest": "rest", "LimitCycle": "pure_slip", "StickSlipCycle": "stick_slip"}
+SEEDS = range(400)
+ALWAYS = range(16)  # those of the default run
+
+
+def returns(law, osc):
+    """Whether the slip from P comes back to the belt's speed; None where that is not said."""
+    peak = asked(ss.peak_velocity, law, osc, rtol=1e-13)
+    if isinstance(peak, NoAnswer):
+        return {"creeps to rest": False, "falls for ever": True}.get(peak.ending)
+    return peak > osc.V
+
+
+def scene(seed):
+    """Return a law, an oscillator with its damping, and its threshold or why there is none."""
+    law, osc = drawn(seed)
+    point = {name: getattr(osc, name) for name in "VNmk"}
+    found = asked(ss.pure_slip_damping, law, **point, method="simulation", rtol=1e-9, time_limit=SECONDS)
+    size = 0.1 * osc.N / osc.V if isinstance(found, NoAnswer) else found.value
+    return law, replace(osc, c=size * Random(seed).choice(DAMPINGS)), found
+
+
+@sweep("seed", SEEDS, *ALWAYS)
+def test_on_either_side_of_a_threshold_the_slip_has_another_fate(seed):
+    law, osc, found = scene(seed)
+    if isinstance(found, NoAnswer):
+        return
+    off = ERRORS * max(found.error, RESOLVED[0] * abs(found.value), RESOLVED[1] * osc.impedance)
+    fates = [returns(law, replace(osc, c=found.value + side * off)) for side in (-1, 1)]
+    assert None in fates or fates == [True, False]
+
+
+@sweep("seed", SEEDS, *ALWAYS)
+def test_what_the_mass_does(seed):
+    """Regime, stick-slip cycle, limit cycles, the classification of P, a cell alone and among others."""
+    law, osc, _ = scene(seed)
+    cycle = asked(ss.stick_slip_cycle, law, osc, time_limit=SECONDS)
+    motions = asked(ss.regime, law, osc, time_limit=SECONDS)
+    begins = {"P": osc.onset(law), "0": 0.0}
+    leads = {name: asked(ss.classify, law, osc, x0=x, time_limit=SECONDS) for name, x in begins.items()}
+    cells = {count: cell(law, osc, count) for count in (1, AMONG)}
+    decided = [found for found in cells.values() if not isinstance(found, NoAnswer)]
+    assert len({str(found) for found in decided}) <= 1, decided
+    if not isinstance(cycle, NoAnswer) and not is_open(leads["P"]):
+        assert (cycle is not None) == (leads["P"] is Motion.STICK_SLIP)
+    for motion, _ in decided:
+        assert is_open(leads["0"]) or leads["0"] is motion
+    if isinstance(motions, NoAnswer) or motions.undecided:
+        return
+    attractors = {KINDS[type(one).__name__] for one in motions.attractors}
+    for _, found in decided:
+        assert found == attractors
+    assert attractors or motions.unbounded
+    assert isinstance(cycle, NoAnswer) or (cycle is not None) == ("stick_slip" in attractors)
+    slips = asked(ss.limit_cycles, law, osc, time_limit=SECONDS)
+    assert isinstance(slips, NoAnswer) or slips == motions.slip_cycles or not motions.slip_cycles
+
+
+def is_open(motion):
+    return isinstance(motion, NoAnswer) or motion is Motion.UNDECIDED
+
+
+def cell(law, osc, count):
+    """What a map says of the oscillator, among so many that differ in c: the motion, and the attractors."""
+    span = 0.5 * max(abs(osc.c), 1e-3 * osc.impedance)
+    values = [osc.c] if count == 1 else osc.c + span * np.linspace(-1, 1, count)
+    point = {"N": osc.N, "m": osc.m, "k": osc.k}
+    found = asked(ss.motion_map, law, x=("V", [osc.V]), y=("c", values), **point, time_limit=SECONDS)
+    if isinstance(found, NoAnswer):
+        return found
+    row = count // 2
+    if found.motion[row, 0] is Motion.UNDECIDED:
+        return NoAnswer(found.notes.get((row, 0), ""))
+    return found.motion[row, 0], {name for name, exists in found.attractors.items() if exists[row, 0]}
+
+
+@sweep("seed", SEEDS, 0, 3, 6, 9)
+def test_how_far_it_is_to_another_motion(seed):
+    """Margins and the stick-slip cycle; the slip on either side of every critical value."""
+    law, osc, _ = scene(seed)
+    options = {"samples": 0, "method": "simulation", "time_limit": 3 * SECONDS}
+    found = asked(ss.margins, law, osc, reach=1.3, each=3.0, **options)
+    if isinstance(found, NoAnswer):
+        return
+    cycle = asked(ss.stick_slip_cycle, law, osc, time_limit=SECONDS)
+    near = abs(osc.c - found.threshold.value) <= ERRORS * (found.threshold.error or 0.0)
+    assert near or isinstance(cycle, NoAnswer) or found.stick_slip == (cycle is not None)
+    for row in found.rows:
+        for end in (row.below, row.above) if row.name != "c" else ():
+            if end is not None:
+                off = max(BESIDE, ERRORS * (end.relative_error or 0.0))
+                fates = [changed(law, osc, row.name, end.value * (1 + side * off)) for side in (-1, 1)]
+                assert None in fates or fates[0] != fates[1], (row.name, end)
+
+
+def changed(law, osc, name, value):
+    """Whether the slip returns with another value of a quantity or of a parameter."""
+    if name in law.parameters:
+        law = asked(law.bind, **{name: value})
+        return None if isinstance(law, NoAnswer) else returns(law, osc)
+    return returns(law, ss.Oscillator(**asdict(osc) | {name: value}))
+
+
+@sweep("seed", SEEDS, 0, 1, 2, 3, 6)
+@pytest.mark.parametrize("criterion", ["harmonic", "least_squares"])
+def test_what_an_average_is(seed, criterion):
+    """Form, call, digits, enclosure, quadrature, and the command in text and JSON."""
+    law, osc = drawn(seed)
+    point = {"V": osc.V, "N": osc.N}
+    values = {"quadrature": asked(ss.quadrature.damping, law, criterion, **point)}
+    form = asked(ss.derive, law, criterion, search=False)
+    if not isinstance(form, NoAnswer):
+        values |= {"call": asked(form, **point), "digits": asked(form.evaluate, 20, **point)}
+    average = asked(ss.slope_average, law, criterion)
+    if not isinstance(average, NoAnswer):
+        values["average"] = asked(average, **point)
+    values["enclosure"] = asked(ss.enclose, law, criterion, **point)
+    known = {name: float(value) for name, value in values.items() if not isinstance(value, NoAnswer)}
+    v = np.linspace(0, 2 * osc.V, 200)
+    rise = max(abs(float(law.mu(x)) - law.onset) for x in v.tolist())
+    assert max(known.values()) - min(known.values()) <= DIGITS * osc.N / osc.V * rise, known
+
+
+def test_python_the_command_and_json():
+    """One question in three ways: the threshold, and what the map says."""
+    law, point = ss.laws.exponential.typical(), {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
+    value = ss.pure_slip_damping(law, **point, method="simulation").value
+    given = "damping", "exponential", "-V", "0.5", "-N", "9.81", "-m", "1", "-k", "100", "--method", "simulation"
+    assert f"{value:.9g}"[:8] in inside(*given).stdout
+    (found,) = [one for one in numbers(read_json(inside(*given, "--json").stdout)) if math.isclose(one, value)]
+    assert found == value
+
+
+def numbers(data):
+    """Every number in data that was read from JSON."""
+    if isinstance(data, dict):
+        data = list(data.values())
+    if isinstance(data, list):
+        return {number for part in data for number in numbers(part)}
+    return {data} if isinstance(data, float) else set()
