@@ -356,7 +356,7 @@ class _Search:
     def amplitude(self) -> Expr | None:
         """The factor of mu' that holds the parameter that is sought; None if that is part of more.
 
-        Slip depends on mu only by how it rises or falls with speed: such a parameter acts as the normal force does.
+        Slip depends on mu only by how it changes with speed: such a parameter acts as the normal force does.
         """
         if self.is_quantity or self.law.static is not None or not self.law.values.get(self.of):
             return None
