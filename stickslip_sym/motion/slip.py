@@ -97,7 +97,6 @@ def _states(rise: Rise, columns: Any, field: Field, rtol: float, rows: Any) -> N
             rows[i, 0], rows[i, 1] = step.q, step.w
 
 
-_PATIENT = 1e4  # decay times, after which a motion without a turn creeps to rest
 _FAR_OUT = 1e12  # slip speed over the belt's, beyond every feature of a law: it stands for all that are higher
 _FEW, _FEW_STATES = 8, 1000  # slips, and states, up to which plain Python is as fast as loading compiled code
 _BATCH = 4000  # slips that a thread takes at once, mostly some hundredths of a second compiled
@@ -195,18 +194,13 @@ class Dimensionless:
         return np.abs(1 - u), np.where((u < 1) | ((u == 1) & (q >= 0)), 1.0, -1.0)
 
     @property
-    def horizon(self) -> float:
-        """How long to wait for the end of a slip, in 1/omega."""
-        return _PATIENT * max(1.0, 2 * abs(self.zeta))
-
-    @property
     def difference(self) -> Wedge:
         """The wedge of a motion with one beside it, at the same numbers and from another state."""
         return Wedge(0.0, 0.0, 0.0, self.rise.pieces, [0.0] * len(self.rise.jumps))
 
     def slip(
         self, q: float, w: float, side: float = 1, *, passes: int = 0, until: End = End.RETURN,
-        level: float = math.inf, horizon: float | None = None, rtol: float = TIGHT,
+        level: float = math.inf, horizon: float = math.inf, rtol: float = TIGHT,
         wedge: tuple[Wedge, float] | None = None, most: int | None = None, recorded: bool = False,
     ) -> Slip[float]:  # fmt: skip
         """Follow one slip from (q, w), in plain Python.
@@ -215,7 +209,7 @@ class Dimensionless:
         - `passes`: how often it may pass the belt's speed where it does not stick; with none steps are recorded.
         - `until`: one more end beside `RETURN`: `MINIMUM`, `MAXIMUM`, or `LEVEL`, where w comes to `level`.
         - `level`: of w, at which a step ends in any case.
-        - `horizon`: tau at which to stop; if not given, when nothing but a creep to rest can be left.
+        - `horizon`: tau at which to stop; a motion that creeps ends at rest, however long it takes.
         - `rtol`: relative tolerance of a step.
         - `wedge`: the quantity of a wedge, and its value at the begin.
         - `most`: how many steps it may take; then, or when the time of a `time_limit` is up, it ends as it is.
@@ -226,7 +220,7 @@ class Dimensionless:
 
         Raises, without `most`, what `refusal` returns.
         """
-        limits = self.horizon if horizon is None else horizon, MOST_STEPS if most is None else most, passes
+        limits = horizon, MOST_STEPS if most is None else most, passes
         source, D = (no_wedge(self.rise), 0.0) if wedge is None else wedge
         run = follow(
             self.rise, self.field(float(side)), 2 * self.eta * self.table.static,
@@ -241,7 +235,7 @@ class Dimensionless:
     def slips(
         self, q: FloatArray, w: FloatArray, side: ArrayLike = 1.0, *,
         ratios: tuple[ArrayLike, ArrayLike] | None = None, passes: ArrayLike = 0, until: End = End.RETURN,
-        level: float = math.inf, horizon: float | None = None, rtol: float = TIGHT, most: int = MOST_STEPS,
+        level: float = math.inf, horizon: float = math.inf, rtol: float = TIGHT, most: int = MOST_STEPS,
         few: int = _FEW, workers: int = 1,
     ) -> Slip[FloatArray]:  # fmt: skip
         """Follow many slips, compiled where numba is there; arguments as for `slip`, nothing is refused.
@@ -253,17 +247,16 @@ class Dimensionless:
         When the time of a `time_limit` is up, which is looked at between batches, the end of what is left is LATE.
         """
         etas, zetas = (self.eta, self.zeta) if ratios is None else ratios
-        end_tau = self.horizon if horizon is None else horizon
         static, onset = self.table.static, self.table.onset
         push, hold = np.multiply(etas, np.multiply(side, static) - onset), np.multiply(etas, 2 * static)
         damping = np.multiply(2.0, zetas)
-        given = etas, push, side, damping, hold, q, w, end_tau, most, passes
+        given = etas, push, side, damping, hold, q, w, horizon, most, passes
         columns = np.empty((len(given), *np.broadcast(*given).shape))
         for column, value in zip(columns, given, strict=True):
             column[:] = value
         sides, u, none = columns[2], columns[2] * columns[6], np.zeros(columns.shape[1:])
         rows = np.column_stack([none + End.LATE, none, q, w, sides, *[none] * 4, q, q, u, u])
-        halves = min(float(np.max(passes, initial=0)), end_tau / math.pi)
+        halves = min(float(np.max(passes, initial=0)), horizon / math.pi)
         batch = math.ceil(_BATCH / (1.0 + halves))
         settings = rtol, int(until), level
         self.spread(_follow_all, [*columns], settings, rows, few=few, batch=batch, workers=workers)
@@ -281,7 +274,7 @@ class Dimensionless:
         slips = self.slips(q, np.zeros_like(q), passes=1, until=End.MINIMUM, rtol=rtol, **options)
         end, back = slips.end, np.where(slips.q <= 0, math.nan, slips.q)
         rounds = np.where(end == End.OUTSIDE, math.inf, -1.0)
-        rounds[(end == End.MINIMUM) | (end == End.REST) | (end == End.HORIZON)] = 0.0
+        rounds[(end == End.MINIMUM) | (end == End.REST)] = 0.0
         return np.where(end == End.RETURN, back, rounds)
 
     def states(

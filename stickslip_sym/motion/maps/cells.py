@@ -48,6 +48,7 @@ CURVES = {
 
 _ROUGH = 1e-7  # tolerance of the steps along which rounds are resolved; what they leave open is followed
 _CONFIRMED = 100  # cells, of which one is decided by following motions too
+_CLOSE = 1e-8  # relative error of the damping ratio that is critical for P
 _INWARD = 3  # rounds that many cells are followed for, from where cycles that overtake may be, on the way in
 
 
@@ -146,7 +147,7 @@ class _Decider:
         eta, oscillator = np.unique(self.eta, return_inverse=True)
         orbits = eta, eta * (self.table.static - self.table.onset), np.ones(eta.size)
         rows = np.empty((eta.size, 5))
-        self.system.spread(needed_all, orbits, (SIGNS,), rows, few=0)
+        self.system.spread(needed_all, orbits, (_CLOSE,), rows, few=0)
         check_time()
         end, *ratios = rows[oscillator, :3].T
         self.exact, self.error = np.where(end == End.CLOSED, ratios, math.nan)

@@ -33,7 +33,7 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.kernel.data import TIGHT, End
 from stickslip_sym.motion.orbits.damping import quick_speeds
-from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, STRONG, needed_ratio, rough_ratio, sure_gap
+from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, STRONG, needed_ratio, sure_gap
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.thresholds.averages import average, slope_mean
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, transit
@@ -41,7 +41,7 @@ from stickslip_sym.motion.thresholds.methods import Method, accuracy, ask, find_
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, of_oscillator
 from stickslip_sym.motion.thresholds.theorem import Search, checked_hypotheses
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
-from stickslip_sym.numerics.known import Column, Unknown
+from stickslip_sym.numerics.known import Column, Unknown, attempted
 from stickslip_sym.numerics.resolved import Root, Sampled, nodes, resolve
 from stickslip_sym.numerics.subdivide import joined
 from stickslip_sym.output import markup
@@ -281,7 +281,7 @@ def excess(points: OperatingPoints, c: float, method: Method | None) -> float:
         return math.nan
     gap = sure_gap(system.rise, system.eta, system.zeta, system.push(1), 1.0, SIGNS)
     deadline.check_time()
-    if gap.outside and math.isfinite(system.w_max):
+    if gap.leaves and math.isfinite(system.w_max):
         return math.nan
     is_sure = math.isinf(gap.value) or abs(gap.value) > gap.rounding
     return min(max(float(gap.value), -1.0), 1.0) if is_sure else 0.0
@@ -464,7 +464,10 @@ class _Search:
         self.work += _STIFFER if abs(system.eta) > STRONG else 1
         fast = self.work + count > _FEW
         if sketch:
-            zeta, error = rough_ratio(system, _ROUGH, fast=fast)
+            ratio = attempted(needed_ratio, system, rtol=_ROUGH, fast=fast)
+            if isinstance(ratio, Unknown):
+                return math.nan, math.nan
+            zeta, error = ratio
         else:
             zeta, error = needed_ratio(system, rtol=_CLOSE, fast=fast)
         return zeta * unit, error * unit

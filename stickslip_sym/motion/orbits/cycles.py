@@ -107,7 +107,7 @@ def limit_cycles(
 def _cycle(need: NeededDamping, osc: Oscillator, A: float, stable: bool) -> LimitCycle:
     """Return the cycle of an amplitude: two motions side by side part or close up by the ratio of their wedges."""
     system = need.system
-    ahead, back, _ = halves(system.rise, system.eta, osc.zeta, 0.0, A, TIGHT, system.difference, 1.0)
+    ahead, back = halves(system.rise, system.eta, osc.zeta, 0.0, A, TIGHT, system.difference, 1.0)
     deadline.check_time()
     # A wedge is 0 where its half slides along a jump of mu. Forward, the motions beside it come to lie on it;
     # backward, it is one from which those beside it part at once.

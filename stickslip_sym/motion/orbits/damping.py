@@ -25,10 +25,10 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import FrictionTable, Rise
 from stickslip_sym.motion.compiled import is_ready
-from stickslip_sym.motion.kernel.data import TIGHT, End
+from stickslip_sym.motion.kernel.data import PRECISE, TIGHT, End
 from stickslip_sym.motion.orbits.needed import (
     ROUNDING,
-    SIGNS,
+    damping_ratios,
     highest_all,
     needed_all,
     needed_ratio,
@@ -43,8 +43,10 @@ NEAREST = 1e-3
 """Lowest amplitude over the belt's speed that is looked at; a smaller cycle shows by the growth at rest."""
 _RTOL = 1e-9  # of d, that its polynomials may leave out
 _MOST = 2000  # orbits, to resolve it
+_OF_ORBITS = 1e-8  # relative error of the values through which they go
 _FEW = 20  # orbits, up to which plain Python is as fast as loading compiled code
-_NEUTRAL = 3e-12  # gap below which an orbit is periodic within the errors of the steps
+_NEUTRAL = 3.0  # times the tolerance of steps, the gap below which an orbit is periodic within their errors
+_WEAK = 1.0  # eta, below which gaps are so small that their steps are to be precise
 _BESIDE = 1e-6  # relative, of the amplitude of a cycle by polynomials, within which it lies
 _CLEAR = 10.0  # errors from a damping at which the sign of a polynomial is that of the gap
 _NARROW = 64  # times narrower than V is a piece of the table in which mu changes quickly,
@@ -52,7 +54,6 @@ _NARROWER = 0.6  # and than the pieces beside it
 _SAME, _CLOSE = 1e-9, 1e-13  # amplitudes that are one, and the error of one at which d breaks
 _SLIGHT, _LARGE = 0.5, 0.9  # damping ratio that a jump of mu at V may ask for, and amplitude above all such
 _ROUNDS = 200  # of a motion, to see whether it goes through a range of amplitudes
-_LOST = Unknown("an orbit takes too many steps")
 
 
 @dataclass(frozen=True)
@@ -72,8 +73,10 @@ class NeededDamping:
 
     def gap(self, A: float, damping: float) -> float:
         """Return the gap of an orbit at a damping over sqrt(k m), of the sign of d(A) - damping."""
-        system = self.system
-        value = sure_gap(system.rise, system.eta, damping / 2, 0.0, A, TIGHT).value
+        system, steps = self.system, TIGHT
+        if abs(system.eta) < _WEAK:
+            steps = PRECISE
+        value = sure_gap(system.rise, system.eta, damping / 2, 0.0, A, steps).value
         check_time()
         if math.isnan(value):
             raise NotConverged(
@@ -81,7 +84,7 @@ class NeededDamping:
                 "try ",
                 Call("simulate()", "simulate LAW"),
             )
-        return 0.0 if abs(value) <= _NEUTRAL else float(value)
+        return 0.0 if abs(value) <= _NEUTRAL * steps else float(value)
 
     # -- d as polynomials --------------------------------------------------------------------------
 
@@ -272,12 +275,9 @@ def _values(system: Dimensionless, eta: FloatArray, A: FloatArray) -> Column:
     were measured it is the damping at which that begins.
     """
     rows = np.full((A.size, 5), float(End.LATE))
-    _spread(system, needed_all, (eta, np.zeros(A.size), A), SIGNS, rows)
-    end, zeta, error, low, high = rows.T
-    bounded = end == End.OUTSIDE
-    cases = [end == End.CLOSED, bounded, end == End.NEVER]
-    values = np.select(cases, [2 * zeta, 2 * zeta, np.copysign(np.inf, zeta)], np.nan)
-    return Column.of(values, np.select(cases[:2], [2 * error, 2 * (high - low)], 0.0), _LOST)
+    _spread(system, needed_all, (eta, np.zeros(A.size), A), _OF_ORBITS, rows)
+    rows[:, 1:] *= 2
+    return damping_ratios(rows)
 
 
 def _spread(

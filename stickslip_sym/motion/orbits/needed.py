@@ -1,4 +1,4 @@
-"""The damping that a slip orbit needs: d(A), for every law.
+"""The damping that a slip orbit needs: d(A), for every law, by secants in a bracket of signs that are known.
 
 With time in 1/omega and w = |x' - V|/V, an orbit in slip whose mass reaches A V at its fastest comes to
 w = 1 - A, where w' = 0. Forward from there it goes over its highest slip speed down to w = 1, where the mass
@@ -7,9 +7,21 @@ Along an orbit's last stretch neighbouring motions part, by many powers of ten i
 close up. So both halves are steady where one way round is not.
 
 Damping rotates the field of directions one way, so the gap log(r_f/r_b) falls with the damping ratio zeta, for
-weak friction at the rate 2 pi, and has one root, found by Newton's method in a bracket. Its derivatives by zeta,
-by A and by every quantity follow from the wedge D of `slip`. At w = 1 - A there is D = 0, but for A itself, where
-it is -A; at w = 1
+weak friction at the rate 2 pi, and has one root. A half may also creep to rest, or leave the table of the law:
+
+    ahead     back      gap
+    returns   returns   log(r_f/r_b)
+    returns   creeps    infinite
+    creeps    returns   -infinite
+    leaves    any       infinite: the table of the law ends there
+    else                not known: the search ends with the bracket that it has
+
+Time is no bound of a half. With q the displacement from rest and x = w - 1 there is q' = -x: while |x| is not
+small q is used up at that rate, and beside rest implicit steps grow with the slowness of the motion. So a half is
+followed until it comes to w = 1, or within the tolerance of rest; that it took all its steps says nothing.
+
+The derivatives of the gap by every quantity follow from the wedge D of `slip`. At w = 1 - A there is D = 0, but
+for A itself, where it is -A; at w = 1
 
     dr/dp = dw'/dp - D/r,    dgap/dp = (dr_f/dp)/r_f - (dr_b/dp)/r_b.
 
@@ -19,16 +31,17 @@ without a static excess they begin at one point, and the orbit is closed. For A 
 """
 
 import math
+from enum import IntEnum
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.model.table import Pieces, Rise
-from stickslip_sym.motion.compiled import compilable, compiled, is_compiling, is_ready
+from stickslip_sym.motion.compiled import compilable, is_compiling, is_ready
 from stickslip_sym.motion.kernel.data import (
-    ADDED,
     MOST_STEPS,
     PRECISE,
     TIGHT,
@@ -42,7 +55,9 @@ from stickslip_sym.motion.kernel.data import (
 )
 from stickslip_sym.motion.kernel.follow import follow
 from stickslip_sym.motion.kernel.forces import interval, rise_at
+from stickslip_sym.motion.orbits.creeping import creeps
 from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.numerics.known import Column, Unknown
 
 SIGNS = 1e-11
 """The relative tolerance of the steps along which the sign of a gap is decided."""
@@ -52,54 +67,57 @@ ROUNDING = 1e-14
 """Relative, of a gap, a damping and an amplitude; of the terms of w' over their sum."""
 STRONG = 30.0
 """Eta, from which halves are stiff."""
-_COARSE = 1e-5  # tolerance of the first steps
-_SHARE = 0.03  # of the error of the damping ratio that is wanted, a tolerance
-_STIFF = 1e-9  # tolerance where friction is strong, unless digits are wanted
-_SKETCH = 1e-6  # or unless coarse steps suffice; below `_COARSE`, so that steps that fail are no creeping half
-_LOOSER = 10.0  # of the tolerance, for the estimate of what the integration is off
-_NEAR = 1e-2  # gap at which the tight tolerance is taken
-_ROUGH = 1e-4  # gap above which coarse steps show its sign, and relative error of the slope by them
-_CURVED = 10.0  # times the square of a gap, that it bends by up to its root
-_SLOW = 0.5  # of the gap before, above which the tight steps are as good as they get
-_UNSURE = 10.0  # times what the steps are off, above which a gap is none of theirs
-_DONE = 1e-10  # gap after which the next secant is the last one
-_MOST_GAPS = 100  # dampings that are tried
-_PHASES = 64  # for the first guess
+_COARSE = 1e-5  # tolerance of steps that show the sign of a gap far from 0, the loosest
+_STIFF = 1e-9  # the same where friction is strong
+_ROUGH = 1e-4  # gap above which these steps show its sign
+_LOOSEST = 1e-6  # tolerance of steps in a search
+_MANY_STEPS, _MORE_STEPS = 200, 4  # of a half, until it is asked whether it creeps, and times as many until again
+_FINER = 0.01  # times the tolerance, where it did not give the accuracy that is wanted
+_SHARE = 0.03  # of the error of the damping ratio that is wanted, a tolerance; and of that, its relative error
+_EVEN_SHARE = 1e-3  # of the relative error that is wanted, at most; all of it where friction is strong
+_LOOSER = 10.0  # times the tolerance, for the estimate of what the integration is off
+_CLOSE = 1e-10  # gap from which a secant leads to its root
+_BENT = 0.01  # of a gap, that the last secant may be off
+_SLOW = 0.5  # of the gap before, above which the secant does not help
 _FALL = -2 * math.pi  # of the gap with zeta, where friction is weak
+_MOST_GAPS = 200  # dampings that are tried
+_PHASES = 64  # of an orbit, for the first guess
 _WILD = 1e12  # change of friction along an orbit, over its own forces, that is no use to follow
-_FARTHEST = 1e6  # damping ratio over 1 + |eta|, and over the largest rise of friction, beyond which there is none
-_PATIENT = 100.0  # times as long as the displacement takes at the belt's speed, after which a half creeps to rest
+_FARTHEST = 1e6  # damping ratio over 1 + |eta| and over the largest rise of friction, beyond which there is none
+_UNSURE = 1e-4  # error of a damping ratio over the largest one at work, that is no value
+
+
+class Outcome(IntEnum):
+    """What becomes of a half."""
+
+    RETURNS = 0  # it comes to w = 1
+    CREEPS = 1  # it comes within the tolerance of rest: to w = 1 never, or with a rate below all others
+    LEAVES = 2  # it comes to where the table of the law ends
+    UNKNOWN = 3  # it takes too many steps, or none is short enough
 
 
 class Half(NamedTuple):
-    """Half an orbit: its end, `LEVEL` where it came to w = 1, w' and the wedge D there, and how long it took."""
+    """Half an orbit: its outcome, w' and the wedge D at w = 1, its highest w, and how long it took."""
 
-    end: End
+    outcome: Outcome
     rate: float
     wedge: float
-    tau: float
-
-
-class Halves(NamedTuple):
-    """Both halves of an orbit, and its highest slip speed."""
-
-    ahead: Half
-    back: Half
     highest: float
+    tau: float
 
 
 class Gap(NamedTuple):
     """The gap of an orbit.
 
-    - `value`: infinite where a half creeps to rest, or the forward one leaves the table of the law.
+    - `value`: NaN where its sign is not known; infinite where a half creeps to rest, or leaves the table.
     - `slope`: its derivative by the quantity of the wedge.
-    - `outside`: whether the forward half left the table.
+    - `leaves`: whether the forward half leaves the table of the law.
     - `rounding`: how far the value may be off for rounding alone.
     """
 
     value: float
     slope: float
-    outside: bool
+    leaves: bool
     rounding: float
 
 
@@ -108,7 +126,7 @@ class Needed(NamedTuple):
 
     - `end`: how the search ended: `CLOSED`, `NEVER`, `OUTSIDE`, `FAILED`, or `LATE`.
     - `zeta`, `error`: the damping ratio, and its error.
-    - `low`, `high`: ratios between which it lies.
+    - `low`, `high`: ratios between which it lies: the gap is above 0 at one, and not above 0 at the other.
     """
 
     end: End
@@ -128,16 +146,39 @@ def _standing(pieces: Pieces, above: bool) -> float:
 
 
 @compilable
-def _is_stopped(end: End) -> bool:
-    """Whether the work on a slip was given up."""
-    return end in (End.STEPS, End.FAILED, End.LATE)
+def _followed(
+    rise: Rise, field: Field, begin: State, until: int, level: float, wedge: Wedge, rtol: float
+) -> tuple[Outcome, State]:
+    """Follow a slip to its maximum, or to a level, however long that takes.
+
+    One that takes many steps is asked on the way whether it is shown to creep to rest.
+    """
+    tau, state, most, end = 0.0, begin, _MANY_STEPS, End.STEPS
+    while end == End.STEPS and most <= MOST_STEPS:
+        if most > _MANY_STEPS and creeps(rise, field, state.q, state.w):
+            end = End.REST
+        else:
+            start = State(0.0, state.q, state.w, 1.0, 0.0, state.wedge)
+            stop = Stop(until, level, math.inf, most, 0)
+            end, state, _, _ = follow(rise, field, 0.0, start, stop, wedge, rtol, False)
+            tau += state.tau
+        most *= _MORE_STEPS
+    state = State(tau, state.q, state.w, 1.0, state.rate, state.wedge)
+    outcome = Outcome.UNKNOWN
+    if end == until:
+        outcome = Outcome.RETURNS
+    elif end == End.OUTSIDE:
+        outcome = Outcome.LEAVES
+    elif end == End.REST:
+        outcome = Outcome.CREEPS
+    return outcome, state
 
 
 @compilable
 def halves(
     rise: Rise, eta: float, zeta: float, push: float, A: float, rtol: float, wedge: Wedge, D: float
-) -> Halves:
-    """Follow both halves from w = 1 - A to w = 1.
+) -> tuple[Half, Half]:
+    """Follow both halves from w = 1 - A to w = 1: ahead, and back.
 
     - `push`: eta (mu_static - mu(0+)).
     - `D`: the value of the wedge at w = 1 - A.
@@ -145,178 +186,209 @@ def halves(
     Where mu jumps at w = 1 rates and wedges are those on the side where w' is lower.
     """
     pieces = rise.pieces
-    whole = Branch(pieces, 0, len(pieces) - 1, 0)
     w = 1.0 - A
-    graze = 2.0 * zeta * w - push + eta * rise_at(whole, w)
-    q = 0.0 if w == 0.0 else graze
-    at_rest = eta * rise_at(whole, 1.0) if rise.levels[-1] > 1.0 else 0.0
-    horizon = _PATIENT * (1.0 + 2.0 * abs(zeta) + abs(push) + abs(at_rest))
-    # From here on q is the displacement from rest: near w = 1 its errors are to be small beside that.
+    at_rest = 0.0
+    if rise.levels[-1] > 1.0:
+        at_rest = eta * _standing(pieces, True)
+    # q is the displacement from rest: near w = 1 its errors are to be small beside that.
     rest = 2.0 * zeta - push + at_rest
-    push, q, graze = push + rest, q - rest, graze - rest
-    forward, to_top = Field(eta, push, 1.0, 2.0 * zeta), Stop(End.MAXIMUM.value, math.inf, horizon, MOST_STEPS, 0)
-    to_rest = Stop(End.LEVEL.value, 1.0, horizon, MOST_STEPS, 0)
-    end, top, _, _ = follow(rise, forward, 0.0, State(0.0, q, w, 1.0, 0.0, D), to_top, wedge, rtol, False)
-    last, tau = top, top.tau
-    if end == End.MAXIMUM:
-        begin = State(0.0, top.q, top.w, 1.0, 0.0, top.wedge)
-        end, last, _, _ = follow(rise, forward, 0.0, begin, to_rest, wedge, rtol, False)
-        tau += last.tau
-    ahead = Half(end, last.rate, last.wedge, tau)
+    graze = 2.0 * zeta * w - push + eta * rise_at(Branch(pieces, 0, len(pieces) - 1, 0), w) - rest
+    q = graze
+    if w == 0.0:
+        q = -rest
+
+    forward, begin = Field(eta, push + rest, 1.0, 2.0 * zeta), State(0.0, q, w, 1.0, 0.0, D)
+    outcome, state = _followed(rise, forward, begin, End.MAXIMUM.value, math.inf, wedge, rtol)
+    highest, tau = state.w, state.tau
+    if outcome == Outcome.RETURNS:
+        top = State(0.0, state.q, state.w, 1.0, 0.0, state.wedge)
+        outcome, state = _followed(rise, forward, top, End.LEVEL.value, 1.0, wedge, rtol)
+        tau += state.tau
+    ahead = Half(outcome, state.rate, state.wedge, highest, tau)
+
     # Backward in time the equations are the same, with q and all of their factors negated.
-    constant, linear, factor, own, shifts, wanted = wedge
-    negated = Wedge(-constant, -linear, -factor, own, shifts, wanted)
-    backward, begin = Field(-eta, -push, 1.0, -2.0 * zeta), State(0.0, -graze, w, 1.0, 0.0, D)
-    end, last, _, _ = follow(rise, backward, 0.0, begin, to_rest, negated, rtol, False)
-    back = Half(end, -last.rate, last.wedge, last.tau)
-    if ahead.end == End.LEVEL and back.end == End.LEVEL:
+    negated = Wedge(-wedge.constant, -wedge.linear, -wedge.factor, wedge.pieces, wedge.shifts, wedge.wanted)
+    backward, begin = Field(-eta, -push - rest, 1.0, -2.0 * zeta), State(0.0, -graze, w, 1.0, 0.0, D)
+    outcome, state = _followed(rise, backward, begin, End.LEVEL.value, 1.0, negated, rtol)
+    back = Half(outcome, -state.rate, state.wedge, w, state.tau)
+
+    if ahead.outcome == Outcome.RETURNS and back.outcome == Outcome.RETURNS:
         jump = eta * (_standing(pieces, True) - _standing(pieces, False))
         if jump < 0.0 and ahead.rate < 0.0:
             ahead = _across(ahead, jump)
         elif jump > 0.0 and back.rate < 0.0:
             back = _across(back, -jump)
-    return Halves(ahead, back, top.w)
+    return ahead, back
 
 
 @compilable
 def _across(half: Half, jump: float) -> Half:
     """Return the end of a half beyond a jump of w', with which the wedge changes."""
-    return Half(half.end, half.rate + jump, half.wedge * (1.0 + jump / half.rate), half.tau)
+    wedge = half.wedge * (1.0 + jump / half.rate)
+    return Half(half.outcome, half.rate + jump, wedge, half.highest, half.tau)
 
 
 @compilable
 def gap(rise: Rise, eta: float, zeta: float, push: float, A: float, rtol: float, wedge: Wedge) -> Gap:
     """Return the gap; arguments as for `halves`."""
-    ahead, back, _ = halves(rise, eta, zeta, push, A, rtol, wedge, 0.0)
-    meet = ahead.end == End.LEVEL and back.end == End.LEVEL
-    if meet and ahead.rate < 0.0 and back.rate < 0.0:
-        constant, linear, factor, pieces, _, _ = wedge
-        b = constant + linear
-        if factor != 0.0:
-            b += factor * _standing(pieces, _standing(rise.pieces, True) >= _standing(rise.pieces, False))
-        lifted = eta * _standing(rise.pieces, True)
-        rounding = ROUNDING * (1.0 + (abs(lifted) + abs(push) + abs(zeta)) / abs(ahead.rate))
-        slope = (b - ahead.wedge / ahead.rate) / ahead.rate - (b - back.wedge / back.rate) / back.rate
-        return Gap(math.log(ahead.rate / back.rate), slope, False, rounding)
-    if rtol < _COARSE and (_is_stopped(ahead.end) or _is_stopped(back.end)):
+    ahead, back = halves(rise, eta, zeta, push, A, rtol, wedge, 0.0)
+    r_f, r_b = ahead.rate, back.rate
+    if ahead.outcome == Outcome.LEAVES:
+        return Gap(math.inf, 0.0, True, math.inf)
+    arrives, came = ahead.outcome == Outcome.RETURNS, back.outcome == Outcome.RETURNS
+    if arrives and r_f < 0.0 and (back.outcome == Outcome.CREEPS or (came and r_b >= 0.0)):
+        return Gap(math.inf, 0.0, False, math.inf)
+    if came and (ahead.outcome == Outcome.CREEPS or (arrives and r_f >= 0.0)):
+        return Gap(-math.inf, 0.0, False, math.inf)
+    if not (arrives and came):
         return Gap(math.nan, 0.0, False, math.inf)
-    outside = ahead.end == End.OUTSIDE
-    driven = outside or (ahead.end == End.LEVEL and ahead.rate < 0.0)
-    return Gap(math.inf if driven else -math.inf, 0.0, outside, math.inf)
+    lifted = _standing(rise.pieces, True)
+    b = wedge.constant + wedge.linear
+    if wedge.factor != 0.0:
+        b += wedge.factor * _standing(wedge.pieces, lifted >= _standing(rise.pieces, False))
+    slope = (b - ahead.wedge / r_f) / r_f - (b - back.wedge / r_b) / r_b
+    rounding = ROUNDING * (1.0 + (abs(eta * lifted) + abs(push) + abs(zeta)) / abs(r_f))
+    return Gap(math.log(r_f / r_b), slope, False, rounding)
 
 
 @compilable
 def sure_gap(rise: Rise, eta: float, zeta: float, push: float, A: float, rtol: float) -> Gap:
     """Return the gap by coarse steps where they show its sign, without its derivative."""
-    unwanted = no_wedge(rise)
-    coarse = gap(rise, eta, zeta, push, A, _STIFF if abs(eta) > STRONG else _COARSE, unwanted)
-    if not coarse.outside and _ROUGH < abs(coarse.value) < math.inf:
-        return coarse
+    unwanted, coarse = no_wedge(rise), _COARSE
+    if abs(eta) > STRONG:
+        coarse = _STIFF
+    glance = gap(rise, eta, zeta, push, A, coarse, unwanted)
+    if not glance.leaves and _ROUGH < abs(glance.value) < math.inf:
+        return glance
     return gap(rise, eta, zeta, push, A, rtol, unwanted)
 
 
 @compilable
-def needed(rise: Rise, eta: float, push: float, A: float, tight: float, rough: float) -> Needed:
-    """Search for the damping ratio that an orbit needs.
+def _tolerance(eta: float, zeta: float, rtol: float) -> float:
+    """Return the tolerance of steps for a relative error of a damping ratio of about that size."""
+    most = _EVEN_SHARE
+    if abs(eta) > STRONG:
+        most = 1.0
+    share = min(_SHARE * abs(zeta), most)
+    return min(max(share * rtol, PRECISE), _LOOSEST)
 
-    - `tight`: tolerance of the last steps.
-    - `rough`: relative error for which coarse steps suffice; 0 if they never do.
-    """
-    unwanted = no_wedge(rise)
-    by_zeta = Wedge(0.0, -2.0, 0.0, rise.pieces, unwanted.shifts, True)
-    low, high, slope = -math.inf, math.inf, _FALL
+
+@compilable
+def needed(rise: Rise, eta: float, push: float, A: float, rtol: float) -> Needed:
+    """Search for the damping ratio that an orbit needs, with a relative error that is wanted."""
     zeta, largest = _harmonic(rise, eta, A)
-    reach = 0.1 * max(abs(zeta), largest + abs(push))
     if max(largest, abs(push)) == 0.0:
-        return Needed(End.CLOSED, 0.0, 0.0, low, high)
+        return Needed(End.CLOSED, 0.0, 0.0, 0.0, 0.0)
     if not largest < _WILD:
+        return Needed(End.FAILED, zeta, math.inf, -math.inf, math.inf)
+    steps = _tolerance(eta, zeta, rtol)
+    need = _searched(rise, eta, push, A, steps, zeta, largest)
+    while need.end == End.CLOSED and need.error > rtol * abs(need.zeta) and steps > PRECISE:
+        steps = max(_FINER * steps, PRECISE)
+        finer = _searched(rise, eta, push, A, steps, zeta, largest)
+        if finer.end != End.CLOSED or not finer.error < need.error:
+            break
+        need = finer
+    return need
+
+
+@compilable
+def _searched(rise: Rise, eta: float, push: float, A: float, steps: float, zeta: float, largest: float) -> Needed:
+    """Search by steps of one tolerance, and say what the result is off where the gap jumps."""
+    found = _search(rise, eta, push, A, steps, zeta, largest)
+    end, zeta, error, low, high = found
+    if end != End.CLOSED or error < math.inf:
+        return found
+    # The gap jumps there: halves part by all digits, or the law has a jump, or its table ends.
+    if gap(rise, eta, low, push, A, steps, no_wedge(rise)).leaves:
+        return Needed(End.OUTSIDE, zeta, math.inf, low, high)
+    looser = _search(rise, eta, push, A, _LOOSER * steps, zeta, largest)
+    error = abs(looser.zeta - zeta) + (high - low) + _LOOSER * steps / -_FALL
+    error += (PRECISE + _SHARE * steps) * (abs(zeta) + largest)
+    if looser.end != End.CLOSED or error > _UNSURE * (abs(zeta) + largest):
         return Needed(End.FAILED, zeta, math.inf, low, high)
-    rtol = (_SKETCH if rough > 0.0 else _STIFF) if abs(eta) > STRONG else _COARSE
-    before, gap_before, beyond = math.nan, math.nan, False
+    return Needed(End.CLOSED, zeta, error, low, high)
+
+
+@compilable
+def _search(rise: Rise, eta: float, push: float, A: float, rtol: float, zeta: float, largest: float) -> Needed:
+    """Search from a first guess, by steps of one tolerance.
+
+    - `largest`: the largest rise of friction along the orbit, over its own forces.
+
+    The error is infinite where the bracket collapsed: secants did not lead to a root.
+    """
+    low, high, slope = -math.inf, math.inf, _FALL
+    reach = 0.1 * max(abs(zeta), largest + abs(push))
+    last, before = math.nan, math.nan
     for _ in range(_MOST_GAPS):
-        coarse = rtol > tight
-        value, by, outside, rounding = gap(rise, eta, zeta, push, A, rtol, by_zeta if coarse else unwanted)
+        value, _, _, rounding = gap(rise, eta, zeta, push, A, rtol, no_wedge(rise))
         if is_late():
             return Needed(End.LATE, zeta, math.inf, low, high)
-        beyond = beyond or outside
-        if -math.inf < by < 0.0 and coarse:
-            slope = by
-        elif math.isfinite(gap_before) and math.isfinite(value) and (value - gap_before) * (zeta - before) < 0.0:
-            slope = (value - gap_before) / (zeta - before)
+        if math.isnan(value):
+            return Needed(End.FAILED, zeta, math.inf, low, high)
         if value > 0.0:
             low = max(low, zeta)
-        elif value <= 0.0:
-            high = min(high, zeta)
         else:
-            return Needed(End.FAILED, zeta, math.inf, low, high)
-        before, unchanged, gap_before = zeta, abs(value) > _SLOW * abs(gap_before), value
-        if not coarse and (abs(value) <= _DONE or (unchanged and abs(value) <= _NEAR and not beyond)):
-            loose = gap(rise, eta, zeta, push, A, _LOOSER * tight, unwanted).value
-            off = abs(loose - value) + rounding + (_LOOSER * tight if tight > PRECISE else 0.0)
-            if abs(value) <= _DONE:
-                error, ends = (off + _ROUGH * abs(value)) / -slope, zeta - value / slope
-            else:  # the gap is no more than what the steps are off, or it jumps beside its root
-                error, ends = (off + abs(value)) / -max(slope, _FALL), zeta
-            if abs(value) <= max(_DONE, _UNSURE * off) and error <= _ROUGH * (abs(zeta) + largest):
-                return Needed(End.CLOSED, ends, error + PRECISE * largest, low, high)
-        if math.isfinite(high - low) and high - low <= ROUNDING * max(abs(low), abs(high)):
-            # The gap jumps there, as where the halves pass a jump of mu on one side only, or part by all digits;
-            # or the law ends there, and the forward half leaves its table for less damping.
-            if gap(rise, eta, low, push, A, rtol, unwanted).outside:
-                return Needed(End.OUTSIDE, zeta, math.inf, low, high)
-            error = _spread(rise, eta, push, A, _LOOSER * tight, low, high)
-            end = End.CLOSED if error < math.inf else End.FAILED
-            return Needed(end, zeta, error + PRECISE * largest, low, high)
-        if coarse and rough > 0.0 and not beyond:
-            if abs(value) <= _NEAR and slope == by:
-                off = ADDED * rtol + _CURVED * value * value
-                if off / -slope > rough * abs(zeta):
-                    closer = gap(rise, eta, zeta, push, A, _STIFF, unwanted).value
-                    value, off = closer, abs(closer - value) + _CURVED * closer * closer + rounding + _DONE
-                if off / -slope <= rough * max(abs(zeta), _ROUGH * largest):
-                    error = off / -slope + PRECISE * largest
-                    return Needed(End.CLOSED, zeta - value / slope, error, low, high)
-                if abs(value) > _ROUGH:
-                    zeta, gap_before = zeta - value / slope, math.nan
-                    continue
-            elif math.isfinite(high - low) and high - low <= rough * max(abs(low), abs(high)):
-                return Needed(End.CLOSED, 0.5 * (low + high), high - low, low, high)
-        if coarse and abs(value) <= _NEAR:
-            zeta, rtol, low, high, gap_before = zeta - value / slope, tight, -math.inf, math.inf, math.nan
-            continue
-        # Newton's method may not help, as where a half ends close to rest.
-        zeta = zeta - value / slope if math.isfinite(value) and not unchanged else math.nan
-        if not (low < zeta < high and abs(zeta - before) <= 4.0 * (reach + abs(before))):
-            if low > -math.inf and high < math.inf:
-                zeta = 0.5 * (low + high)
-            else:
-                zeta = before + reach if value > 0.0 else before - reach
-                reach *= 3.0
+            high = min(high, zeta)
+        if math.isfinite(value) and math.isfinite(before) and (value - before) * (zeta - last) < 0.0:
+            slope = (value - before) / (zeta - last)
+        closer, is_slow = zeta - value / slope, abs(value) > _SLOW * abs(before)
+        last, before = zeta, value
+        if abs(value) <= max(_CLOSE, _LOOSER * rtol):
+            loose = gap(rise, eta, zeta, push, A, _LOOSER * rtol, no_wedge(rise)).value
+            off = abs(loose - value) + rounding + _BENT * abs(value)
+            if rtol > PRECISE:
+                off += _LOOSER * rtol
+            error = off / -slope + (PRECISE + _SHARE * rtol) * (abs(zeta) + largest)
+            if error <= _UNSURE * (abs(zeta) + largest):
+                return Needed(End.CLOSED, closer, error, low, high)
+        if high - low < math.inf and high - low <= ROUNDING * max(abs(low), abs(high)):
+            return Needed(End.CLOSED, zeta, math.inf, low, high)
         if abs(zeta) > _FARTHEST * (1.0 + abs(eta) + largest):
-            # Coarse steps that fail are taken for a half that creeps to rest; tight ones say that they failed.
-            sure = gap(rise, eta, before, push, A, tight, unwanted).value
-            end = End.OUTSIDE if beyond else End.FAILED if math.isnan(sure) else End.NEVER
-            return Needed(end, zeta, math.inf, low, high)
+            return Needed(End.NEVER, zeta, math.inf, low, high)
+        if math.isfinite(value) and low < closer < high and not is_slow:
+            zeta = closer
+        else:
+            zeta, reach = _inner(low, high, zeta, reach), 3.0 * reach
     return Needed(End.FAILED, zeta, math.inf, low, high)
 
 
 @compilable
-def needed_all(rise: Rise, columns: Any, tight: float, rows: Any) -> None:
+def _inner(low: float, high: float, zeta: float, reach: float) -> float:
+    """Return a damping ratio that halves a bracket, but within a reach of its end that was looked at."""
+    if zeta == low:
+        return min(low + reach, 0.5 * (low + high))
+    return max(high - reach, 0.5 * (low + high))
+
+
+@compilable
+def needed_all(rise: Rise, columns: Any, rtol: float, rows: Any) -> None:
     """Search for the damping ratios that many orbits need, from eta, push and A to rows as a `Needed` has them."""
     eta, push, A = columns
     for i in range(len(A)):
-        need = needed(rise, eta[i], push[i], A[i], tight, 0.0)
+        need = needed(rise, eta[i], push[i], A[i], rtol)
         rows[i, 0] = need.end.value
         rows[i, 1], rows[i, 2], rows[i, 3], rows[i, 4] = need.zeta, need.error, need.low, need.high
 
 
-@compilable
-def rough_all(rise: Rise, columns: Any, rough: float, rows: Any) -> None:
-    """Search by coarse steps where they suffice, from eta and push to the end, the damping ratio and its error."""
-    eta, push = columns
-    for i in range(len(eta)):
-        need = needed(rise, eta[i], push[i], 1.0, TIGHT, rough)
-        rows[i, 0], rows[i, 1], rows[i, 2] = need.end.value, need.zeta, need.error
+_UNKNOWN = {
+    End.FAILED.value: Unknown("friction is too strong, or its law too steep, for the bound on the work"),
+    End.LATE.value: Unknown("the time limit was reached"),
+}
+
+
+def damping_ratios(rows: FloatArray) -> Column:
+    """Return the damping ratios in rows of `needed_all`.
+
+    One is infinite where no damping is enough, or none too little. Where less lets an orbit leave the speeds that
+    were measured it is the one at which that begins.
+    """
+    end, zeta, error, low, high = rows.T
+    leaves, never = end == End.OUTSIDE, end == End.NEVER
+    values = np.where(never, np.copysign(np.inf, zeta), zeta)
+    errors = np.where(never, 0.0, np.where(leaves, high - low, error))
+    return Column.of_codes(values, errors, end, _UNKNOWN)
 
 
 @compilable
@@ -331,13 +403,16 @@ def _slope_all(rise: Rise, columns: Any, rtol: float, wedge: Wedge, rows: Any) -
 def highest_all(rise: Rise, columns: Any, rtol: float, rows: Any) -> None:
     """Find the highest slip speeds over V of many orbits, from eta, zeta and A.
 
-    They are infinite where one leaves the table or is lost.
+    They are infinite where an orbit leaves the table, and NaN where it is lost.
     """
     eta, zeta, A = columns
     for i in range(len(A)):
-        orbit = halves(rise, eta[i], zeta[i], 0.0, A[i], rtol, no_wedge(rise), 0.0)
-        lost = orbit.ahead.end == End.OUTSIDE or _is_stopped(orbit.ahead.end)
-        rows[i, 0] = math.inf if lost else orbit.highest
+        ahead, _ = halves(rise, eta[i], zeta[i], 0.0, A[i], rtol, no_wedge(rise), 0.0)
+        rows[i, 0] = ahead.highest
+        if ahead.outcome == Outcome.LEAVES:
+            rows[i, 0] = math.inf
+        elif ahead.outcome == Outcome.UNKNOWN:
+            rows[i, 0] = math.nan
 
 
 @compilable
@@ -361,43 +436,10 @@ def _harmonic(rise: Rise, eta: float, A: float) -> tuple[float, float]:
     return zeta, largest
 
 
-@compilable
-def _first_guess(rise: Rise, eta: float, A: float) -> float:
-    """Return the first guess alone; machine code that other machine code calls has no entry from Python."""
-    return _harmonic(rise, eta, A)[0]
-
-
-@compilable
-def _spread(rise: Rise, eta: float, push: float, A: float, rtol: float, low: float, high: float) -> float:
-    """Return how far from a jump of the gap a looser tolerance sees its sign change."""
-    step = high - low
-    while step <= _ROUGH * max(abs(low), abs(high)):
-        below = gap(rise, eta, low - step, push, A, rtol, no_wedge(rise)).value
-        above = gap(rise, eta, high + step, push, A, rtol, no_wedge(rise)).value
-        if below > 0.0 >= above:
-            return high - low + step
-        step *= 10.0
-    return math.inf
-
-
-def rough_ratio(system: Dimensionless, rtol: float, *, fast: bool = False) -> tuple[float, float]:
-    """Return the damping ratio at which the slip from P grazes w = 1, by coarse steps if they do, and its error.
-
-    - `fast`: compiled where numba is there, and its loading is no loss.
-
-    Both are NaN where there is none; raises `OutOfTime` when the time of a `time_limit` is up.
-    """
-    orbit, rows = [np.array([value]) for value in (system.eta, system.push(1))], np.empty((1, 3))
-    system.spread(rough_all, orbit, (rtol,), rows, few=0 if fast or is_ready(rough_all) else 1)
-    check_time()
-    end, zeta, error = rows[0].tolist()
-    return (zeta, error) if end == End.CLOSED else (math.nan, math.nan)
-
-
 def gap_slope(system: Dimensionless, zeta: float, wedge: Wedge) -> float:
     """Return how the gap of the slip from P changes with the quantity of a wedge, at a damping ratio."""
     slip, rows = [np.array([value]) for value in (system.eta, zeta, system.push(1))], np.empty((1, 1))
-    fast = is_ready(needed_all) or is_ready(rough_all)
+    fast = is_ready(needed_all)
     if fast:
         wedge = wedge._replace(pieces=np.array(wedge.pieces), shifts=np.array(wedge.shifts))
     system.spread(_slope_all, slip, (TIGHT, wedge), rows, few=0 if fast else 1)
@@ -422,13 +464,10 @@ def needed_ratio(
     """
     check_time()
     eta, push = system.eta, system.push(1) if A == 1.0 else 0.0
+    orbit: list[FloatArray] = [np.array([value]) for value in (eta, push, A)]
+    rows = np.empty((1, 5))
     fast = (fast and is_compiling()) or is_ready(needed_all)
-    first = compiled(_first_guess) if fast else _first_guess  # in plain Python it takes longer than the search
-    wanted = _SHARE * rtol * abs(first(system.table.at(system.V, arrays=fast), eta, A))
-    loosest = _STIFF if abs(eta) > STRONG else TIGHT
-    tight = next((steps for steps in (loosest, TIGHT) if steps <= wanted), PRECISE)
-    orbit, rows = [np.array([value]) for value in (eta, push, A)], np.empty((1, 5))
-    system.spread(needed_all, orbit, (tight,), rows, few=0 if fast else 1)
+    system.spread(needed_all, orbit, (rtol,), rows, few=0 if fast else 1)
     end, zeta, error, low, high = rows[0].tolist()
     if end == End.LATE or is_late():  # then the last gap may be wrong
         raise OutOfTime(

@@ -140,7 +140,6 @@ def followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray,
             q[left], w[left], side[left], passes=side[left] > 0, until=End.MINIMUM, rtol=rtol, workers=workers
         )
         decide(left[slips.end == End.REST], lambda: plane.at_rest)
-        fates[left[slips.end == End.HORIZON]] = Motion.UNDECIDED
         turned = slips.end == End.MINIMUM
         decide(left[turned], partial(plane.of_peaks, 1 - slips.w[turned]))
         late, lost = slips.end == End.LATE, np.isin(slips.end, (End.OUTSIDE, End.STEPS, End.FAILED))

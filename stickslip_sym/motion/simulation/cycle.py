@@ -156,5 +156,10 @@ def first_minimum(system: Dimensionless, q: float, w: float, rtol: float) -> flo
     -infinity where the mass moves away for ever; where it creeps to rest it is 1.
     """
     slip = system.slip(q, w, until=End.MINIMUM, rtol=rtol)
-    least = {End.RETURN: -(slip.rate**2) / 2, End.OUTSIDE: -math.inf, End.MINIMUM: slip.w}
-    return least.get(slip.end, 1.0)
+    least = {
+        End.RETURN: -(slip.rate**2) / 2,
+        End.OUTSIDE: -math.inf,
+        End.MINIMUM: slip.w,
+        End.REST: 1.0,
+    }
+    return least[slip.end]

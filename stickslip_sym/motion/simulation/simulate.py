@@ -73,7 +73,8 @@ def simulate(
         The package's integrator, which locates extrema before crossings, kinks and sliding modes; or SciPy's
         `solve_ivp` with events, an independent reference for one initial condition.
     max_steps : int
-        Integration steps after which a motion ends as it is; a cycle of stick and slip takes about 30.
+        Integration steps after which a motion ends as it is; a cycle of stick and slip takes about 30, and one
+        when it is repeated.
     time_limit : float, optional
         Seconds of computation after which it ends as it is.
     workers : int
@@ -139,15 +140,16 @@ def _one(
             stretches.append(Stretch(Phase.STICK, samples))
             tau, q = min(horizon, tau - q), float(q + since[1])
             continue
-        # Nothing depends on time itself: a slip from where one began before is that one again.
-        slip = known.get(q) if w == 0 else None
-        if slip is None or deadline.is_late() or tau + slip.tau > horizon or steps + slip.taken > max_steps:
+        # Nothing depends on time itself: a slip from where one began before is that one again, in one step.
+        slip, taken = known.get(q) if w == 0 else None, 1
+        if slip is None or deadline.is_late() or tau + slip.tau > horizon or steps >= max_steps:
             slip = system.slip(
                 q, w, side, level=1.0, horizon=horizon - tau, rtol=rtol, most=max_steps - steps, recorded=True
             )
             refusal = system.refusal(slip, rtol)
             if isinstance(refusal, InputError) and not slip.taken:
                 raise refusal
+            taken = int(slip.taken)
             if w == 0 and slip.end is End.RETURN:
                 known[q] = slip
         since, places, speeds = np.array([*(step[:3] for step in slip.steps), (slip.tau, slip.q, slip.w)]).T
@@ -157,7 +159,7 @@ def _one(
         phase = Phase.SLIP_BACK if side > 0 else Phase.SLIP_FORWARD
         course = partial(_course, system, osc, x_P, rtol, slip, tau, side) if slip.steps else None
         stretches.append(Stretch(phase, samples, course))
-        tau, q, w, u, steps = tau + slip.tau, slip.q, slip.w, 1.0, steps + int(slip.taken)
+        tau, q, w, u, steps = tau + slip.tau, slip.q, slip.w, 1.0, steps + taken
         if slip.end is not End.RETURN:
             outcome, note = _outcome_of(system, slip, rtol)
             break

@@ -9,6 +9,7 @@ from operating_points import TWO, WAVY, WAVY_POINT, paper_oscillator
 from sweeps import sweep
 
 import stickslip_sym as ss
+from stickslip_sym.criteria.rule import gauss_average
 from stickslip_sym.motion.kernel.data import End
 from stickslip_sym.motion.orbits.damping import needed_damping
 from stickslip_sym.motion.slip import Dimensionless
@@ -196,3 +197,21 @@ def test_orbit_that_touches_a_jump_parts_basins():
     ends = [ss.classify(law, osc, x0=x0, v0=part * cycle.amplitude) for part in (0.999, 1.001)]
     assert (cycle.stable, cycle.floquet, ends) == (False, math.inf, [ss.Motion.REST, ss.Motion.STICK_SLIP])
     assert [str(one).split()[0] for one in ss.regime(law, osc).attractors] == ["rest", "stick-slip"]
+
+
+STIFF = ss.Oscillator(m=10, k=1e8, c=2.3, V=0.5, N=9.81)
+
+
+@sweep("name", ss.laws.catalogue, "exponential", "cubic")
+def test_weak_friction_has_the_cycles_of_averaging(name):
+    """eta = 6e-4: limit cycles are where the harmonic average of an orbit's slope is the damping, by eta^2 off."""
+    law = ss.laws.catalogue[name].typical()
+    cycles = ss.limit_cycles(law, STIFF)
+    A = np.linspace(1e-3, 1, 400)
+    mean = STIFF.N * gauss_average(law.bound, np.full(A.size, STIFF.V), A)[0]
+    places = np.flatnonzero(np.diff(np.sign(mean - STIFF.c)))
+    assert len(cycles) == len(places)
+    for cycle, place in zip(cycles, places.tolist(), strict=True):
+        assert A[place] - 1e-5 <= cycle.amplitude / STIFF.V <= A[place + 1] + 1e-5
+    if name == "exponential":
+        assert cycles[0].amplitude == pytest.approx(0.37578264, abs=2e-8)

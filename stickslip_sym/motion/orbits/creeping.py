@@ -1,0 +1,83 @@
+"""Whether a mass on its way to rest is shown never to come to w = 1: by bounds of the slope of its law.
+
+With q the displacement from rest and x = w - 1 there is q' = -x and x' = q - K x, where the chord of friction and
+damping is K = 2 zeta + eta (rise(w) - rise(1))/(w - 1). On the line q = s x, x > 0,
+
+    (q - s x)' = -x - s (s - K) x >= 0    where    K >= s + 1/s.
+
+A state with q x > 0 and |q| >= s |x| never leaves q x > 0 if K >= s + 1/s >= 2 from rest up to its own w: it tends
+to rest. Here s is the smaller root, near 1/K. Beside rest that line is the fast direction of the node: the
+test is sharp. A chord lies between the least and the largest slope of the law from rest to w. Backward in time the
+same holds with -eta and -zeta.
+"""
+
+import math
+
+from stickslip_sym.model.table import Rise
+from stickslip_sym.motion.compiled import compilable
+from stickslip_sym.motion.kernel.data import Branch, Field
+from stickslip_sym.motion.kernel.forces import rise_at, slope_at
+
+_PARTS = 8  # of an interval of the table, on each of which a slope is bounded
+
+
+@compilable
+def creeps(rise: Rise, field: Field, q: float, w: float) -> bool:
+    """Whether a state is shown to tend to rest; False says nothing."""
+    low, high = min(w, 1.0), max(w, 1.0)
+    x, displacement = w - 1.0, q + _force_at_rest(rise, field, w > 1.0)
+    if displacement * x <= 0.0 or high > rise.levels[-1] or _jumps(rise, low, high):
+        return False
+    least, most = slope_bounds(rise, low, high)
+    K = field.damping + min(field.eta * least, field.eta * most)
+    return K > 2.0 and abs(displacement) * (K + math.sqrt(K * K - 4.0)) > 2.0 * abs(x)
+
+
+@compilable
+def _force_at_rest(rise: Rise, field: Field, above: bool) -> float:
+    """Return w' at w = 1 and q = 0."""
+    pieces = rise.pieces
+    at = 0
+    for i in range(len(pieces)):
+        if pieces[i][0] < 1.0 or (above and pieces[i][0] == 1.0):
+            at = i
+    return field.push - field.damping - field.eta * rise_at(Branch(pieces, at, at, at), 1.0)
+
+
+@compilable
+def _jumps(rise: Rise, low: float, high: float) -> bool:
+    """Whether the law jumps between two slip speeds."""
+    jumps = False
+    for i in range(len(rise.jumps)):
+        jumps = jumps or (low < rise.levels[i] < high and rise.jumps[i] != 0.0)
+    return jumps
+
+
+@compilable
+def slope_bounds(rise: Rise, low: float, high: float) -> tuple[float, float]:
+    """Return numbers between which the derivative of a rise lies on a range of slip speeds.
+
+    On a part of an interval it is off by what its own derivative, bounded by the sizes of its terms, makes of half
+    the width.
+    """
+    pieces = rise.pieces
+    last = len(pieces) - 1
+    least, most = math.inf, -math.inf
+    for i in range(last + 1):
+        begin, end = max(pieces[i][0], low), high
+        if i < last:
+            end = min(pieces[i + 1][0], high)
+        if begin >= end:
+            continue
+        _, origin, scale = pieces[i][0], pieces[i][1], pieces[i][2]
+        reach = max(abs(begin - origin), abs(end - origin)) * scale
+        bend, power = 0.0, 1.0
+        for k in range(2, 15):
+            bend += k * (k - 1) * abs(pieces[i][3 + k]) * power
+            power *= reach
+        half = 0.5 * (end - begin) / _PARTS
+        off = bend * scale * scale * half
+        for j in range(_PARTS):
+            slope = slope_at(Branch(pieces, i, i, i), begin + (2 * j + 1) * half)
+            least, most = min(least, slope - off), max(most, slope + off)
+    return least, most

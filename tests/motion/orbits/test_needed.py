@@ -1,0 +1,103 @@
+"""The damping that an orbit needs: no horizon, no count of steps, and no shortcut is taken for an answer."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from operating_points import paper_oscillator
+
+import stickslip_sym as ss
+from stickslip_sym.motion.kernel.data import TIGHT, End, no_wedge
+from stickslip_sym.motion.orbits import needed
+from stickslip_sym.motion.orbits.creeping import creeps, slope_bounds
+from stickslip_sym.motion.orbits.needed import Outcome, damping_ratios, gap, halves, needed_ratio
+from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.numerics.known import Unknown
+
+SLOW = ss.FrictionLaw("0.4 + 17*v*exp(-v/0.004) + 3.4*Max(v - 0.05, 0)")
+HEAVY = {"V": 0.035, "N": 48000.0, "m": 25.0, "k": 4300.0}
+
+
+def system_of(law, **changes):
+    return Dimensionless.of(law.bound, paper_oscillator(**changes))
+
+
+def test_a_half_that_returns_late_returns():
+    """It takes a hundred times as long as its displacement says; a horizon took it for one that creeps."""
+    found = ss.pure_slip_damping(SLOW, **HEAVY, method="simulation", rtol=1e-6)
+    assert found.value == pytest.approx(84.3928, abs=1e-3)
+    beside = 20 * found.value * found.relative_error
+    cycles = [ss.stick_slip_cycle(SLOW, ss.Oscillator(c=found.value + off, **HEAVY)) for off in (-beside, beside)]
+    assert cycles[0] is not None
+    assert cycles[1] is None
+
+
+@pytest.mark.parametrize("eta", [1e-4, 1e-2, 1.0, 30.0, 1e3, 1e4])
+@pytest.mark.parametrize("name", ["exponential", "polynomial", "tanh"])
+def test_ratios_agree_within_their_errors(name, eta):
+    """Searched for with little accuracy and with more: for weak friction and for strong."""
+    law = ss.laws.catalogue[name].typical()
+    system = system_of(law)
+    system = Dimensionless(eta, 0.0, system.table, system.V)
+    rough, fine = (needed_ratio(system, rtol=rtol, fast=True) for rtol in (1e-4, 1e-9))
+    assert abs(rough[0] - fine[0]) <= rough[1] + fine[1]
+    assert fine[1] <= 2e-9 * abs(fine[0])
+
+
+def test_what_is_not_known_of_a_half_is_not_known_of_the_gap(monkeypatch):
+    """A bound on steps is no sign of a gap; a law that ends is one."""
+    system = system_of(ss.laws.exponential.typical())
+    arguments = system.rise, system.eta, 0.13, 0.0, 1.0, TIGHT, no_wedge(system.rise)
+    ahead, back = halves(*arguments, 0.0)
+    assert (ahead.outcome, back.outcome) == (Outcome.RETURNS, Outcome.RETURNS)
+    assert math.isfinite(gap(*arguments).value)
+    monkeypatch.setattr(needed, "MOST_STEPS", 3)
+    assert math.isnan(gap(*arguments).value)
+    search = needed.needed(system.rise, system.eta, 0.0, 1.0, 1e-9)
+    assert (search.end, search.low, search.high) == (End.FAILED, -math.inf, math.inf)
+
+
+def test_a_mass_that_creeps_to_rest_says_so():
+    """With much damping the half ahead comes to rest, and the one back does not: less damping is needed.
+
+    Beside rest its steps would go on for long; bounds of the slope show where it goes before.
+    """
+    system = system_of(ss.laws.exponential.typical())
+    for zeta in (2.0, 20.0, 2e4):
+        arguments = system.rise, system.eta, zeta, 0.0, 1.0, TIGHT, no_wedge(system.rise)
+        ahead, back = halves(*arguments, 0.0)
+        assert (ahead.outcome, back.outcome) == (Outcome.CREEPS, Outcome.RETURNS)
+        assert gap(*arguments).value == -math.inf
+
+
+def test_ends_of_searches_are_translated_at_one_place():
+    ends = [End.CLOSED, End.OUTSIDE, End.NEVER, End.FAILED, End.LATE]
+    rows = np.array([[end, -0.5, 0.1, -0.6, -0.3] for end in ends], dtype=float)
+    column = damping_ratios(rows)
+    assert [column.at(i) for i in range(3)] == [-0.5, -0.5, -math.inf]
+    assert all(isinstance(column.at(i), Unknown) for i in (3, 4))
+    assert column.errors[:3] == pytest.approx([0.1, 0.3, 0.0])
+    assert column.perhaps(above=1e9).tolist() == [False, False, False, True, True]
+
+
+@given(seed=st.integers(0, 10**6))
+def test_bounds_of_slopes_hold_all_slopes(seed):
+    """Of random laws with narrow features; and a state that is shown to creep does so when it is followed."""
+    rng = np.random.default_rng(seed)
+    a, b, place, width = rng.uniform([0.0, 0.5, 0.3, 0.02], [0.5, 8.0, 0.8, 0.3]).tolist()
+    law = ss.FrictionLaw(f"0.3 + {a}*exp(-{b}*v) - 0.1*exp(-((v - {place})/{width})^2) + 0.2*v")
+    system = replace(system_of(law), zeta=float(rng.uniform(1.0, 30.0)))
+    low, high = np.sort(rng.uniform(0.2, 2.0, 2)).tolist()
+    least, most = slope_bounds(system.rise, low, high)
+    w = np.linspace(low, high, 500)
+    slopes = system.V * law.bound.at_speeds(system.V * w, derivative=True)
+    assert least <= slopes.min() + 1e-9
+    assert slopes.max() - 1e-9 <= most
+    assert most - least <= np.ptp(slopes) + 0.5 * np.abs(slopes).max()
+    w0, q0 = float(rng.uniform(0.3, 1.8)), system.turn(1.0) + float(rng.normal(0.0, 2.0))
+    if creeps(system.rise, system.field(1.0), q0, w0):
+        run = system.slip(q0, w0, until=End.LEVEL, level=1.0, rtol=1e-8)
+        assert run.end is End.REST
