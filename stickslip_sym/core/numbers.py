@@ -23,7 +23,7 @@ from mpmath.libmp import from_rational, to_rational
 from stickslip_sym.core.aliases import Expr, FloatArray, Mpf, Rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.remedies import Name
-from stickslip_sym.core.units import in_si
+from stickslip_sym.core.units import in_si, without_unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -47,6 +47,7 @@ def fraction(value: Number, name: str) -> Fraction:
     """Return a number as the fraction it denotes: floats are binary, text is a decimal or a ratio like "1/3"."""
     if isinstance(value, str):
         return _from_text(value, name)
+    value = without_unit(value, name)
     try:
         if hasattr(value, "_mpf_") and mpmath.isfinite(mpmath.make_mpf(value._mpf_)):  # of any context, or SymPy's
             return Fraction(*map(int, to_rational(value._mpf_)))
@@ -77,8 +78,9 @@ def _from_text(text: str, name: str) -> Fraction:
 
 def real(name: str, value: Number) -> float:
     """Return a number as a float, or refuse what is none and what is not finite."""
+    bare = fraction(value, name) if isinstance(value, str) else without_unit(value, name)
     try:
-        number = float(fraction(value, name) if isinstance(value, str) else value)
+        number = float(bare)
     except (TypeError, ValueError, OverflowError):
         raise InputError(Name(name), f" = {str(value)[:60]!r} is not a number; give a float such as 0.5") from None
     if not math.isfinite(number):
@@ -93,7 +95,17 @@ def require_type(name: str, value: object, required: type | UnionType, what: str
 
 
 def read_array(name: str, value: "ArrayLike", *, finite: bool = True) -> FloatArray:
-    """Return a number or numbers as an array of real ones, itself where it is one; NaN is refused if `finite`."""
+    """Return a number or numbers as an array of real ones, itself where it is one; NaN is refused if `finite`.
+
+    Text such as "500 mm/s" and quantities of pint or astropy are converted; masked values are refused.
+    """
+    if isinstance(value, str):
+        return np.asarray(real(name, value))
+    value = without_unit(value, name)
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        raise InputError(Name(name), " holds masked values; leave them out, as by compressed()")
+    if isinstance(value, list | tuple) and any(hasattr(item, "unit") or hasattr(item, "units") for item in value):
+        value = [without_unit(item, name) for item in value]
     try:
         array = np.asarray(value)
         if array.dtype.kind in "mM" or (array.dtype.kind == "O" and any(item is None for item in array.flat)):

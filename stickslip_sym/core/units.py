@@ -57,14 +57,16 @@ def dimensions(text: str) -> tuple[Fraction, tuple[int, ...]] | None:
 
 
 def in_si(value: Any, name: str, unit: str | None = None) -> Any:
-    """Return text with a unit as a number in SI units, still text and exact; anything else as it is.
+    """Return text with a unit as a number in SI units, still text and exact, and quantities of other libraries.
+
+    What has no unit is returned as it is.
 
     - `unit`: the one that is expected, empty if any; by default that of the quantity of this name.
     """
     if not isinstance(value, str):
-        return value
+        return without_unit(value, name, unit)
     match = _WITH_UNIT.fullmatch(value.translate(_SUPERSCRIPTS))
-    expected = QUANTITIES[name].unit if name in QUANTITIES else _ARGUMENTS.get(name) if unit is None else unit
+    expected = _expected(name, unit)
     if match is None or expected is None:
         return value
     number, unit_of_text = _NUMBER.fullmatch(match["number"]), dimensions(match["unit"])
@@ -84,6 +86,39 @@ def in_si(value: Any, name: str, unit: str | None = None) -> Any:
     if last is not None:  # in units of the last digit
         error = str(Decimal(last).scaleb(int(Decimal(shown).as_tuple().exponent)))
     return f"{_text(Fraction(shown) * size, decimal=True)}+/-{_text(Fraction(error) * size, decimal=True)}"
+
+
+def without_unit(value: Any, name: str, unit: str | None = None) -> Any:
+    """Return a quantity of pint or astropy, or an array of them, as numbers in SI units; anything else as it is.
+
+    The library that made the quantity converts it. A unit that does not fit, or for which none is known here,
+    is refused: to drop it would change the number.
+
+    - `unit`: the one that is expected, as of `in_si`.
+    """
+    its_unit = getattr(value, "units", None) or getattr(value, "unit", None)
+    if its_unit is None or isinstance(its_unit, str):
+        return value
+    expected = _expected(name, unit)
+    if not expected:
+        raise InputError(
+            Name(name),
+            f" carries the unit {its_unit}, and no unit is known here for it; give a plain number in SI units",
+        )
+    try:
+        converted = value.to("" if expected == "1" else expected)
+        return converted.magnitude if hasattr(converted, "magnitude") else converted.value
+    except Exception as error:  # whatever a library raises where units do not fit: its words are passed on
+        raise InputError(
+            Name(name), f" carries the unit {its_unit}, and {name} is in {expected}: {str(error)[:120]}"
+        ) from None
+
+
+def _expected(name: str, unit: str | None) -> str | None:
+    """Return the unit of a quantity or an argument by its name, unless one is given; None where none is known."""
+    if unit is not None:
+        return unit
+    return QUANTITIES[name].unit if name in QUANTITIES else _ARGUMENTS.get(name)
 
 
 def with_unit_of(last: str, first: str) -> str:

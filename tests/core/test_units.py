@@ -1,6 +1,7 @@
 """Numbers with units, against the same numbers in SI units, wherever a number is read."""
 
 from fractions import Fraction
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -103,3 +104,49 @@ def test_ranges_and_axes_have_units(run):
         code, out, err = run(*line)
         assert (code, out) == (2, "")
         assert "and V is in m/s; write it so" in err
+
+
+class Quantity:
+    """A number, or an array, with a unit, as pint has it or as astropy has it: the library converts it."""
+
+    SIZES = {"mm/s": ("m/s", 1e-3), "m/s": ("m/s", 1.0), "kN": ("N", 1e3), "g": ("kg", 1e-3)}  # noqa: RUF012
+
+    def __init__(self, value, unit, of_pint):
+        self.value, self.name, self.of_pint = value, unit, of_pint
+        setattr(self, "units" if of_pint else "unit", SimpleNamespace(__str__=lambda _: unit))
+        if of_pint:
+            self.magnitude = value
+
+    def to(self, unit):
+        own, size = self.SIZES[self.name]
+        if own != unit:
+            raise ValueError(f"cannot convert from {own} to {unit}")
+        return Quantity(self.value * size, unit, self.of_pint) if unit in self.SIZES else _Bare(self.value * size)
+
+
+class _Bare:
+    def __init__(self, value):
+        self.magnitude = self.value = value
+
+
+@pytest.mark.parametrize("of_pint", [True, False])
+def test_quantities_of_other_libraries_are_converted_by_them(of_pint):
+    """To drop the unit would change the number by 1000 in silence."""
+
+    def quantity(value, unit):
+        return Quantity(value, unit, of_pint)
+
+    law = ss.laws.exponential.typical()
+    form = ss.derive(law)
+    expected = form(V=0.5, N=9.81)
+    assert form(V=quantity(500.0, "mm/s"), N=quantity(9.81e-3, "kN")) == pytest.approx(expected, rel=1e-14)
+    assert form(V="500 mm/s", N=9.81) == expected
+    assert form(V=[quantity(500.0, "mm/s"), quantity(0.5, "m/s")], N=9.81) == pytest.approx(expected)
+    assert form(V=quantity(np.array([500.0]), "mm/s"), N=9.81) == pytest.approx(expected)
+    assert law.mu(quantity(500.0, "mm/s")) == pytest.approx(law.mu(0.5), rel=1e-15)
+    osc = ss.Oscillator(m=quantity(1000.0, "g"), k=100, V=quantity(500.0, "mm/s"), N=9.81)
+    assert (osc.m, osc.V) == (1.0, 0.5)
+    with pytest.raises(ss.InputError, match="V carries the unit"):
+        ss.Oscillator(m=1, k=100, V=quantity(5.0, "g"), N=9.81)
+    with pytest.raises(ss.InputError, match="no unit is known here"):
+        ss.derive("exponential")(V=0.5, N=9.81, mu_s=quantity(0.5, "m/s"), mu_m=0.2, alpha=3)

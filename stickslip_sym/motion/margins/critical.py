@@ -24,6 +24,7 @@ from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray
 from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged
 from stickslip_sym.core.names import lookup
 from stickslip_sym.core.numbers import SAME, read_array, read_rtol, real
+from stickslip_sym.core.quantity import QuantityResult
 from stickslip_sym.core.remedies import Argument
 from stickslip_sym.core.units import in_si
 from stickslip_sym.criteria.criterion import Criterion, harmonic
@@ -72,7 +73,7 @@ _FLAT = math.sqrt(SIGNS)  # relative, whose square is nothing: distance of an ex
 
 
 @dataclass(frozen=True)
-class Critical:
+class Critical(QuantityResult):
     """A value of one quantity or parameter at which the given damping is just the pure-slip damping.
 
     Attributes

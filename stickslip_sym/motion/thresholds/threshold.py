@@ -15,6 +15,7 @@ from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import NO_RESULT, InputError, OutOfTime
 from stickslip_sym.core.numbers import read_rtol
+from stickslip_sym.core.quantity import QuantityResult
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.uncertain import with_error
 from stickslip_sym.criteria.criterion import Criterion
@@ -48,7 +49,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Threshold:
+class Threshold(QuantityResult):
     """A threshold: its value, the method that gave it, and its relative error.
 
     Attributes
