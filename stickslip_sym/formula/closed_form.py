@@ -295,17 +295,21 @@ class ClosedForm(SlopeAverage):
         return ", ".join([f"{names['c']} = {printing.latex(self.expr, names)}", *conditions])
 
     def certificate(self) -> str:
-        """Return a script in plain SymPy that proves this formula, and needs nothing of this package.
+        """Return a page in plain SymPy that proves this formula, and needs nothing of this package.
 
-        It states mu(v), the definition of the criterion and c, and asserts the split into terms, the average of
-        each profile by the theorem that proved it, their sum, and mpmath's quadrature of the definition at twelve
-        points. Of a formula that is CHECKED its first line says what it does not prove.
+        It has three parts: the statement (mu, w, c, the assumptions on parameters), the data of the proof, and a
+        checker, the same on every page, which trusts no line of the data. Of a formula that is CHECKED its first
+        line, and what it prints, say what it does not prove.
 
         Examples
         --------
         >>> from stickslip_sym import derive
-        >>> print(derive("mu_s - a*v").certificate().splitlines()[-1])
-        print("proved: mu_s - a*v, least_squares")
+        >>> exec(derive("mu_s - a*v").certificate())
+        proved: c = N*a
+        for mu(v) = -a*v + mu_s
+        and c = -N int_-1^1 w(s) mu'(V (1 + s)) ds, w(s) = 5/8 - 5*s**4/8
+        for all V, N, a, mu_s positive
+        as V falls to 0, c tends to -N mu'(0) = N*a
         """
         from stickslip_sym.certificates.closed_forms import certificate_of_forms
 

@@ -1,8 +1,6 @@
-"""A closed form leaves as a script that proves it without this package, and fails at whatever is changed in it."""
+"""A closed form leaves as a page that proves it without this package, and fails at whatever is changed in it."""
 
 import ast
-import contextlib
-import io
 import random
 import shutil
 import subprocess
@@ -11,46 +9,120 @@ import sysconfig
 from pathlib import Path
 
 import pytest
+from adversary import EDITS, JUMPS, outcome
 from sweeps import sweep
 
 import stickslip_sym as ss
-from stickslip_sym.certificates.closed_forms import certificate_of_forms
+from stickslip_sym.certificates.closed_forms import CHECKER, certificate_of_forms
 
 ROOT = Path(__file__).parents[2]
 WITHOUT_THE_PACKAGE = "import runpy, sys; sys.modules['stickslip_sym'] = None; runpy.run_path(sys.argv[1])"
 PAGES = sorted((ROOT / "derivations" / "certificates").glob("*.py"))
 CATALOGUE = [(name, criterion) for name in ss.laws for criterion in ("equilibrium", "least_squares", "harmonic")]
-CHANGED = {
-    "law": ("mu = ", "law = "),
+KINKS = "0.5 - a*Min(v, v_k)"
+LAWS = [("0.3 + 0.1*exp(-v)", "least_squares"), ("0.3 + 0.1*exp(-v)", "harmonic"), (KINKS, "least_squares"),
+        (KINKS, "equilibrium"), ("linear", "harmonic"), ("mu_0 + a/(1 + v/p)", "harmonic"),
+        ("Piecewise((mu_0, v < v_k), (mu_1, True))", "least_squares")]  # fmt: skip
+
+
+def run(path, *options):
+    """Run a page where the package cannot be imported."""
+    command = [sys.executable, *options, "-c", WITHOUT_THE_PACKAGE, str(path)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_a_page_proves_without_the_package_and_fails_without_assertions(tmp_path):
+    """Several laws one after another, formatted as the project formats; then, under -O, a false one."""
+    forms = [ss.derive("exponential", "harmonic"), ss.derive("linear"), ss.derive("linear", "equilibrium")]
+    path = tmp_path / "proof.py"
+    path.write_text(certificate_of_forms(forms))
+    done = run(path)
+    proved = [line for line in done.stdout.splitlines() if line.startswith("proved: ")]
+    assert proved[1:] == ["proved: c = N*a_1"] * 2, done.stderr
+    assert proved[0].startswith("proved: c = 2*N*(")
+    ruff = shutil.which("ruff", path=sysconfig.get_path("scripts")) or shutil.which("ruff")
+    if ruff is not None:
+        for command in (["check"], ["format", "--check"]):
+            checked = [ruff, *command, "--config", str(ROOT / "pyproject.toml"), str(path)]
+            subprocess.run(checked, check=True, capture_output=True)
+    path.write_text(forms[1].certificate().replace("\nc = N * a_1", "\nc = 2 * N * a_1"))
+    done = run(path, "-O")
+    assert "proved" not in done.stdout
+    assert "NotProved: c is not the sum of the averages" in done.stderr
+
+
+def test_the_checker_is_the_same_on_every_page_and_knows_no_assertion():
+    pages = [ss.derive(law, criterion).certificate() for law, criterion in LAWS]
+    ends = {page[page.index("# == CHECKER") :] for page in pages}
+    assert ends == {f"{CHECKER}\n\nfor claim in claims:\n    prove(*claim)\n"}
+    assert not any(isinstance(node, ast.Assert) for node in ast.walk(ast.parse(CHECKER)))
+    for page in pages:
+        places = [page.index(f"# == {part}") for part in ("STATEMENT", "DATA", "CHECKER")]
+        assert places == sorted(places)
+
+
+@sweep(("law", "criterion"), LAWS, 0, 2, 3)
+def test_every_edit_that_understands_the_page_is_noticed(law, criterion):
+    page = ss.derive(law, criterion).certificate()
+    assert outcome(page).startswith("proved: ")
+    tried = set()
+    for name, edit in EDITS.items():
+        for edited in edit(page):
+            assert edited != page, name
+            assert outcome(edited).startswith("failed: "), name
+            tried.add(name)
+    assert len(tried) >= 6
+
+
+@pytest.mark.parametrize("name", JUMPS)
+def test_antiderivatives_that_jump_are_noticed_though_c_jumps_with_them(name):
+    """The derivative of what is added is 0: only a walk over the expression sees that it is not constant."""
+    page = ss.derive("0.3 - 0.1*exp(-v)").certificate()
+    added = JUMPS[name]
+    edited = page.replace("\nparts1 = ", f"\naddition = {added}\nA1_0 += addition\nparts1 = ")
+    by_c = "c -= Rational(1, 10) * N * (addition.subs(v, 2 * V) - addition.subs(v, 0))"
+    edited = edited.replace("\nclaims.append", f"\n{by_c}\nclaims.append")
+    assert edited.count("addition") == 4
+    assert outcome(edited).startswith("failed: ")
+
+
+def test_what_is_printed_is_what_was_checked():
+    """Text that an edit may change is not printed: a docstring, a comment, the name of a law."""
+    page = ss.derive("mu_s - 0.1*v").certificate()
+    edited = page.replace("mu_s - v/10, least_squares", "mu_s - 2.57*v, least_squares")
+    assert edited != page
+    assert outcome(edited) == outcome(page)
+    assert "2.57" not in outcome(edited)
+    assert outcome(page).splitlines()[1] == "for mu(v) = mu_s - v/10"
+
+
+def test_exceptional_parameters_and_jumps_are_named():
+    form = ss.derive("mu_0/((1 + v/p)*(1 + v/q))")
+    assert "where p - q = 0, by continuity: " in outcome(form.certificate())
+    form = ss.derive("Piecewise((mu_0, v < v_k), (mu_1, True))")
+    printed = outcome(form.certificate())
+    assert "mu jumps at v = v_k, by -mu_0 + mu_1: mu' has there this jump times a delta function" in printed
+    assert "c has the term -N w(v_k/V - 1) (-mu_0 + mu_1)/V where 0 < v_k < 2 V" in printed
+
+
+KINDS = {
+    "law": ("mu = ",),
     "formula": ("c = ",),
-    "weight": ("w = ", "K = "),
+    "weight": ("w = ",),
+    "profile": ("g1",),
     "antiderivative": ("A1",),
-    "limit": ("F1",),
-    "equation": ("equation = ",),
-    "operator": ("q = ", "y = "),
-    "function": ("functions[", "roots["),
-    "limit of V": ("at_rest = ", "far = ", "like = "),
+    "average": ("y1",),
+    "function": ("    besseli", "    exp_V", "    root", "roots1"),
 }
-"""What may be changed, by what its lines begin with."""
+"""What may be changed at random, by what its lines begin with."""
 OPPOSITE = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
-
-
-def outcome(script):
-    """Run a script in this process; return what it printed, or what its assertion says."""
-    stream = io.StringIO()
-    try:
-        with contextlib.redirect_stdout(stream):
-            exec(compile(script, "a certificate", "exec"), {})
-    except AssertionError as failure:
-        return f"failed: {failure}"
-    return stream.getvalue().strip()
 
 
 def changed(line, rng):
     """Return a line with another sign, number or operation at a random place; the same line where it has none."""
-    tree = ast.parse(line)
-    value = tree.body[0].value
-    nodes = list(ast.walk(value))
+    name, mark, value = line.partition(": " if line.startswith("    ") else " = ")
+    tree = ast.parse(value.rstrip().rstrip(","), mode="eval")
+    nodes = list(ast.walk(tree))
     operations = [node for node in nodes if isinstance(node, ast.BinOp) and type(node.op) in OPPOSITE]
     signs = [node for node in nodes if isinstance(node, ast.UnaryOp)]
     numbers = [node for node in nodes if isinstance(node, ast.Constant) and type(node.value) is int]
@@ -64,78 +136,55 @@ def changed(line, rng):
         node.op = ast.UAdd()
     else:
         node.value += 1
-    return ast.unparse(tree)
+    return f"{name}{mark}{ast.unparse(tree)}{',' if line.startswith('    ') else ''}"
 
 
-def mutants(script, kind, count, rng):
-    """Return some scripts with one line of a kind changed."""
-    lines = script.splitlines()
-    start = next(i for i, line in enumerate(lines) if line.startswith("# -- "))
-    places = [
-        i for i, line in enumerate(lines)
-        if i > start and line.startswith(CHANGED[kind]) and (kind != "limit" or "rise(" in line)
-    ]  # fmt: skip
+def mutants(page, kind, count, rng):
+    """Return some pages with one line of a kind changed."""
+    head, mark, tail = page.partition("# == CHECKER")
+    lines = head.splitlines()
+    places = [i for i, line in enumerate(lines) if line.startswith(KINDS[kind])]
     found = set()
     for _ in range(20 * count):
         if not places or len(found) == count:
             break
         i = rng.choice(places)
-        new = changed(lines[i], rng)
-        if (new.startswith("like = ") and "1 - s" in new) or "sympify" in new:
-            continue  # a symmetric weight averages both alike; a constant is an antiderivative of 0
-        if new != lines[i] and ast.dump(ast.parse(new)) != ast.dump(ast.parse(lines[i])):
-            found.add("\n".join([*lines[:i], new, *lines[i + 1 :]]))
+        bare = lines[i].partition("  #")[0]
+        new = changed(bare, rng)
+        if ast.unparse(ast.parse(f"{{{new}}}" if new.startswith("    ") else new)) != ast.unparse(
+            ast.parse(f"{{{bare}}}" if bare.startswith("    ") else bare)
+        ):
+            found.add("\n".join([*lines[:i], new, *lines[i + 1 :]]) + f"\n{mark}{tail}")
     return sorted(found)
-
-
-def test_a_certificate_proves_without_the_package(tmp_path):
-    """Several laws one after another, formatted as the project formats."""
-    forms = [ss.derive("exponential", "harmonic"), ss.derive("linear"), ss.derive("linear", "equilibrium")]
-    path = tmp_path / "proof.py"
-    path.write_text(certificate_of_forms(forms))
-    done = subprocess.run(
-        [sys.executable, "-c", WITHOUT_THE_PACKAGE, str(path)], capture_output=True, text=True, check=False
-    )
-    proved = ["exponential, harmonic", "linear, least_squares", "linear, equilibrium"]
-    assert done.stdout.splitlines() == [f"proved: {what}" for what in proved], done.stderr
-    ruff = shutil.which("ruff", path=sysconfig.get_path("scripts")) or shutil.which("ruff")
-    if ruff is not None:
-        for command in (["check"], ["format", "--check"]):
-            checked = [ruff, *command, "--config", str(ROOT / "pyproject.toml"), str(path)]
-            subprocess.run(checked, check=True, capture_output=True)
 
 
 @sweep(("law", "criterion"), [("exponential", "least_squares"), ("exponential", "harmonic")], 1)
 def test_whatever_is_changed_is_noticed(law, criterion):
-    rng, script = random.Random(1), ss.derive(law, criterion).certificate()
-    kinds = [kind for kind in CHANGED if mutants(script, kind, 1, rng)]
+    rng, page = random.Random(1), ss.derive(law, criterion).certificate()
+    kinds = [kind for kind in KINDS if mutants(page, kind, 1, rng)]
     assert len(kinds) >= 4
     for kind in kinds:
-        for mutant in mutants(script, kind, 2, rng):
+        for mutant in mutants(page, kind, 2, rng):
             assert outcome(mutant).startswith("failed: "), kind
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize(
-    "page", sorted((ROOT / "derivations" / "certificates").glob("*")), ids=lambda page: page.stem
-)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_pages_of_the_derivations_prove_without_the_package(page):
-    command = [sys.executable, "-c", WITHOUT_THE_PACKAGE, str(page)]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert done.stdout.startswith("proved: ")
+    assert run(page).stdout.startswith("proved: ")
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize(("law", "criterion"), CATALOGUE)
 def test_the_catalogue_leaves_with_its_proofs(law, criterion):
     try:
-        script = ss.derive(law, criterion).certificate()
+        page = ss.derive(law, criterion).certificate()
     except ss.NoClosedForm:
         return
-    assert outcome(script) == f"proved: {law}, {criterion}"
+    assert outcome(page).startswith("proved: ")
     rng = random.Random(law)
-    for kind in CHANGED:
-        for mutant in mutants(script, kind, 2, rng):
+    for kind in KINDS:
+        for mutant in mutants(page, kind, 2, rng):
             assert outcome(mutant).startswith("failed: "), kind
 
 
@@ -143,7 +192,8 @@ PROFILES = (
     "exp(-v/p)", "v*exp(-q*v)", "exp(-(v/p)^2)", "1/(1 + v/p)", "1/(1 + (v/q)^2)", "(1 + v/p)^(-3)",
     "log(1 + q*v)", "tanh(q*v)", "sech(v/p)", "atan(q*v)", "asinh(v/p)", "sqrt(v)", "v^3", "v^1.5",
     "sqrt(1 + v/p)", "cos(q*v)", "erf(q*v)", "v*atan(v/p)", "1/sqrt(1 + (v/p)^2)", "Max(p - v, 0)",
-    "Min(v, p)", "Min(v/q, 1)*exp(-v)", "log(1 + v^2)",
+    "Min(v, p)", "Min(v/q, 1)*exp(-v)", "log(1 + v^2)", "1/((1 + v/p)*(1 + v/q))", "v^(-1/3)", "(1 + v)^(-p)",
+    "Max(p - q*v, 0.1)", "1/((1 + v)*(2 + v)*(3 + v))", "v^(1/3)",
 )  # fmt: skip
 """Profiles of laws that have closed forms by one criterion at least."""
 
@@ -159,55 +209,44 @@ def test_random_laws_leave_with_their_proofs(seed):
         return
     if form.verdict.status is not ss.Status.PROVED:
         return
-    script = form.certificate()
-    assert outcome(script).startswith("proved: ")
-    for kind in ("law", "formula", "equation", "operator", "function"):
-        for mutant in mutants(script, kind, 1, rng):
+    page = form.certificate()
+    assert outcome(page).startswith("proved: ")
+    for kind in ("law", "formula", "average", "function"):
+        for mutant in mutants(page, kind, 1, rng):
             assert outcome(mutant).startswith("failed: "), kind
 
 
-@sweep(
-    ("law", "criterion", "stated"),
-    [
-        ("0.5 - 0.1*sqrt(v)", "least_squares", "at_rest = 13 * sqrt(2) * N / (315 * sqrt(V))"),
-        ("a + b*v**2", "harmonic", "far = -2 * N * V * b_"),
-        ("0.4 - 0.1*v*log(v)", "equilibrium", "at_rest = -sp.oo"),
-        ("exponential", "least_squares", "far = 0"),
-        ("-a*v*atan(v/p) - a*sech(v/p)", "least_squares", "far = pi * N * a / 2"),
-    ],
-    0, 2, 3,
-)  # fmt: skip
-def test_limits_are_stated_and_checked(law, criterion, stated):
-    script = ss.derive(law, criterion).certificate()
-    assert stated in script
-    assert outcome(script).startswith("proved: ")
-    name, _, value = stated.partition(" = ")
-    wrong = outcome(script.replace(stated, f"{name} = -2 * ({value}) + 1", 1))
-    assert wrong.startswith("failed: the limit for ")
+def test_the_limit_at_rest_is_that_of_c():
+    printed = outcome(ss.derive("a + b*v + d*exp(-v)", "harmonic").certificate())
+    assert printed.splitlines()[-1] == "as V falls to 0, c tends to -N mu'(0) = -N*(b - d)"
+    printed = outcome(ss.derive("0.5 - 0.1*sqrt(v)").certificate())
+    assert "as V falls" not in printed
 
 
-@sweep("text", ["0.2 + 0.1*(coth(v) - 1/v)", "0.5 - 0.3*Min(v, v_k)*exp(-v)", "mu_0"], 0, 2)  # the last is 0
+@sweep("text", ["0.2 + 0.1*(coth(v) - 1/v)", "0.5 - 0.3*Min(v, v_k)*exp(-v)", "mu_0", "0.4 - 0.1*v^(-0.3)"], 0, 2)
 def test_what_cancels_at_rest_or_meets_a_kink_is_proved(text):
     assert outcome(ss.derive(text).certificate()).startswith("proved: ")
 
 
 @sweep("criterion", ["least_squares", "harmonic"], "harmonic")
 def test_names_of_parameters_mean_nothing_else_in_a_script(criterion):
-    form = ss.derive("gamma + F1*exp(-v/sum) + n*v + theta*v**2 - lambda1*s", criterion)
-    assert outcome(form.certificate()) == f"proved: {form.law.text}, {criterion}"
+    form = ss.derive("gamma + F1*exp(-v/sum) + n*v + theta*v**2 - lambda1*s + check*prove", criterion)
+    assert outcome(form.certificate()).startswith("proved: ")
 
 
-def test_pieces_are_proved_between_kinks_and_what_is_not_proved_is_named():
-    text = "mu_s - a*Min(v, v_k)"
-    assert outcome(ss.derive(text).certificate()).startswith("proved: ")
-    script = ss.derive(text, "harmonic").certificate()
-    assert script.splitlines()[0].startswith('"""Not proved here')
-    assert outcome(script).startswith("compared: ")
-    assert outcome(script.replace("g1.subs", "2 * g1.subs", 1)).startswith("failed: the split")
+def test_what_is_not_proved_is_named():
+    page = ss.derive("mu_s - a*Min(v, v_k)", "harmonic").certificate()
+    assert page.splitlines()[0].startswith('"""Not proved here')
+    printed = outcome(page)
+    assert printed.startswith("compared at points only: ")
+    assert "not proved, and compared at points: the average of Piecewise" in printed
 
 
 def test_a_sensitivity_starts_from_the_law_that_it_is_of():
-    script = ss.derive("exponential").sensitivity("alpha").certificate()
-    assert outcome(script).startswith("proved: ")
-    (law,) = [line for line in script.splitlines() if line.startswith("law = mu_m")]
-    assert outcome(script.replace(law, law.replace("alpha", "2 * alpha"))) == "failed: the derivative of the law"
+    page = ss.derive("exponential").sensitivity("alpha").certificate()
+    assert "mu is the derivative by alpha of " in outcome(page)
+    (law,) = [line for line in page.splitlines() if line.startswith("law = mu_m")]
+    assert (
+        outcome(page.replace(law, law.replace("alpha", "2 * alpha")))
+        == "failed: mu is not the derivative of the law"
+    )
