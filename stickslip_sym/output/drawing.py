@@ -38,6 +38,8 @@ _STYLE: Any = {
     "legend.fontsize": 8.5,
     "hatch.linewidth": 0.5,
     "svg.hashsalt": "stickslip_sym",  # the same picture is the same file
+    "svg.fonttype": "path",  # a text looks the same, and is as wide, where the font is missing
+    "pdf.fonttype": 42,  # TrueType, which journals ask for
 }
 _TIMELESS: Any = {
     "svg": {"Date": None, "Creator": None},
@@ -90,17 +92,17 @@ def panel_letters(axes: Any, titles: list[str]) -> None:
         ax.set_title(f"({letter})  {title}", loc="left", pad=4)
 
 
-def _rendered(figure: "Figure", kind: str, dpi: int = 160, fonttype: str = "none") -> bytes:
+def _rendered(figure: "Figure", kind: str, dpi: int = 160) -> bytes:
     """Return a figure as the content of a file; the same bytes for the same figure."""
     stream = io.BytesIO()
-    with styled(**{"svg.fonttype": fonttype}):
+    with styled():
         figure.savefig(stream, format=kind, dpi=dpi, metadata=_TIMELESS.get(kind))
     return stream.getvalue()
 
 
 def svg_uri(figure: "Figure") -> str:
-    """Return a figure as a data URI, its text as paths."""
-    return f"data:image/svg+xml;base64,{b64encode(_rendered(figure, 'svg', fonttype='path')).decode()}"
+    """Return a figure as a data URI."""
+    return f"data:image/svg+xml;base64,{b64encode(_rendered(figure, 'svg')).decode()}"
 
 
 class Drawn:

@@ -336,7 +336,9 @@ class Trajectory:
                 state = dict(zip("txv", np.concatenate(parts, axis=1), strict=True))
                 ax.plot(state[x], state[y], label=phase.value, **style)
 
-    def plot(self, path: str | Path | None = None, *, since: float | None = None) -> "Figure":
+    def plot(
+        self, path: str | Path | None = None, *, since: float | None = None, ax: "Axes | None" = None
+    ) -> "Figure":
         """Draw the time history and the phase plane, with stick and slip in different styles.
 
         Parameters
@@ -345,29 +347,40 @@ class Trajectory:
             A file to draw to, as for `Drawn.plot`; so is what is returned and raised.
         since : float, optional
             Time in s; what came before is left out.
+        ax : matplotlib.axes.Axes, optional
+            Axes of a figure of your own, for the velocity over time alone.
         """
-        drawing.require_matplotlib()
+        first = -math.inf if since is None else since
+        if ax is None:
+            with drawing.styled():
+                figure = self._figure(first)
+        else:
+            self.draw(ax, since=first)
+            drawing.finish(ax, xlabel=_LABELS["t"], ylabel=_LABELS["v"])
+            figure = ax.figure  # type: ignore[assignment]  # of a subfigure, that
+        if path is not None:
+            drawing.save(figure, Path(path))
+        return figure
+
+    def _figure(self, since: float) -> "Figure":
+        """Return the figure of three panels: x and v over the time, and v over x."""
         from matplotlib.figure import Figure
 
         figure = Figure(figsize=(8.4, 4.2), layout="constrained")
         panels = figure.subplot_mosaic("xp;vp", width_ratios=(3, 2))
         panels["x"].sharex(panels["v"])
-        for name, axes in {"x": "tx", "v": "tv", "p": "xv"}.items():
-            self.draw(panels[name], *axes, since=-math.inf if since is None else since)
-        place, speed = "displacement $x$ (m)", "velocity $\\dot x$ (m/s)"
-        for name, labels in {"x": ("", place), "v": ("time $t$ (s)", speed), "p": (place, speed)}.items():
-            panels[name].set(xlabel=labels[0], ylabel=labels[1])
+        for name, (across, up) in {"x": ("t", "x"), "v": ("t", "v"), "p": ("x", "v")}.items():
+            self.draw(panels[name], across, up, since=since)
+            drawing.finish(panels[name], xlabel=_LABELS[across], ylabel=_LABELS[up])
+        panels["x"].set_xlabel("")
         panels["x"].tick_params(labelbottom=False)
         panels["p"].locator_params(axis="x", nbins=5)
-        for panel in panels.values():
-            panel.grid(alpha=0.25)
         figure.align_ylabels([panels["x"], panels["v"]])
-        figure.legend(handles=panels["p"].lines, loc="outside upper center", ncols=len(_STYLES), frameon=False)
-        if path is not None:
-            drawing.save(figure, Path(path))
+        figure.legend(handles=panels["p"].lines, loc="outside upper center", ncols=len(_STYLES))
         return figure
 
 
+_LABELS = {"t": "time $t$ (s)", "x": "displacement $x$ (m)", "v": "velocity $\\dot x$ (m/s)"}
 _STYLES: dict[Phase, dict[str, Any]] = {
     Phase.STICK: {"color": "black", "linewidth": 2.6},
     Phase.SLIP_BACK: {"color": "tab:blue", "linewidth": 1.1},
