@@ -29,12 +29,14 @@ from stickslip_sym.criteria.quadrature import MOST_DIGITS, read_operating_point
 from stickslip_sym.model.expression.pieces import branch_from, kinks_at
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
+from stickslip_sym.model.taylor_model import balls_from_rest
 
 _BITS = math.log2(10)  # per digit
 _MORE = 64  # bits with which an end is written, beyond those of the middle
 _MOST_LOST = 1400  # bits of cancellation that are followed, some 400 digits
 _EXTREME = 100_000  # bits, beyond which an end is rounded outwards instead of written in full
 _MOST_SHOWN = 4000  # where two enclosures are distinguished
+_COARSE = 3  # digits of an end of an enclosure without a certain digit
 _SHOWN = 50  # digits of an end, at most
 
 
@@ -99,7 +101,7 @@ class Enclosure:
         if self.low == self.high and self.low.denominator == 1:
             return str(self.low)
         if self.digits < 1:
-            return f"[{float(self.low):.3g}, {float(self.high):.3g}]"
+            return f"[{_truncated(self.low, _COARSE)}, {_truncated(self.high, _COARSE)}]"
         for digits in range(min(self.digits + 1, _SHOWN), 0, -1):
             low, high = (_truncated(end, digits) for end in (self.low, self.high))
             if low == high:
@@ -262,7 +264,7 @@ def average_ball(
             return arb.nan()
         return -reduce(add, slopes) / len(slopes) if exact is not None else -reduce(arb.union, slopes)
     first, vanished = vanishing(pieces[0], point)
-    parts = [ball_function(piece, symbols.v, point) for piece in (first, *pieces[1:])]
+    parts = [balls_from_rest(first, point), *(ball_function(piece, symbols.v, point) for piece in pieces[1:])]
     if not _real(parts[0](acb(0), False)).is_finite():
         return arb.nan()  # no panel that begins at v = 0 has a bound, however often it is halved
     V, places = acb(speed), [ball(place).real for place in inside]

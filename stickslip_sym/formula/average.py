@@ -27,8 +27,8 @@ from stickslip_sym.formula.proof.proving import Verdict, prove_equal
 from stickslip_sym.formula.proof.recurrence import AVERAGES_AGREE, AverageSeries, definition
 from stickslip_sym.formula.proof.theorems import PieceByPiece, is_smooth
 from stickslip_sym.formula.tidy import factored
-from stickslip_sym.model.at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.expression.pieces import with_means
+from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.terms import Term, shapes_of
 from stickslip_sym.output import printing
 

@@ -20,7 +20,7 @@ from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.functions import arguments, without_squares
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.precision import from_mpmath, in_mpmath, mp, refined, rounded
-from stickslip_sym.model.at_rest import symbolic_limit_at_rest
+from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
 
 _MOST_BITS = 33_000  # of working precision, some 10 000 digits, before a value counts as out of reach
 _PATIENCE = 4  # times the bits asked for, before a formula is taken apart by exact arithmetic, which takes long

@@ -18,7 +18,7 @@ from stickslip_sym.core.functions import row, without_squares
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.average import Average
 from stickslip_sym.formula.tidy import tidy
-from stickslip_sym.model.at_rest import symbolic_limit_at_rest
+from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.terms import Term
 
 

@@ -38,6 +38,7 @@ _BLOCK = 16000  # elements: the arrays of a block stay in the cache, below 128 k
 _DIGITS = 17  # of a value by balls
 _LARGEST = float(np.finfo(np.float64).max)
 _CANCELLED = 4.0  # the sum of the terms' sizes over the size of their sum, from where the slope is looked at
+_ZERO = Fraction(1, 2**60)  # of the mean size of the slope: an enclosure around 0 that is narrower is that of 0
 _ALLOWED = 8.0  # the same over the mean size of the slope, the unit of errors, from where balls are asked
 
 
@@ -247,7 +248,8 @@ class SlopeAverage(TermSum):
     def _unit(self, values: Sequence[Numbers]) -> FloatArray:
         """Return the size of terms that N <|mu'|> allows: where the slope itself cancels, they are larger."""
         speed, force, *rest = (np.atleast_1d(np.asarray(value, dtype=np.float64)) for value in values)
-        return np.asarray(_ALLOWED * force * self._mean_slope(speed, *rest))
+        unit = np.asarray(_ALLOWED * force * self._mean_slope(speed, *rest))
+        return np.where(np.isfinite(unit), unit, 0.0)  # what is beyond floats measures nothing
 
     def _by_balls(self, values: Sequence[float]) -> float:
         point = {symbol: binary_fraction(x) for symbol, x in zip(self.arguments.values(), values, strict=True)}

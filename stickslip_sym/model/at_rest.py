@@ -7,7 +7,7 @@ as products, which lose none.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache, lru_cache, partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -17,10 +17,12 @@ from sympy.codegen.cfunctions import expm1, log1p
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.balls import number_at
-from stickslip_sym.core.functions import elementary, fold, row
+from stickslip_sym.core.functions import fold, row
 from stickslip_sym.core.lambdify import Backend, context_of, function_of
 from stickslip_sym.core.numbers import to_mpf
-from stickslip_sym.model.expression.pieces import branch_from, kinked, without_endless
+from stickslip_sym.model.expression.pieces import branch_from, without_endless
+from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
+from stickslip_sym.model.taylor_model import in_floats
 
 Rising = Callable[[FloatArray], FloatArray]
 """mu(v) - mu(0+) of an array of slip speeds in m/s, NaN where mu has no value."""
@@ -58,6 +60,8 @@ def limit_at_rest(expr: Expr, values: Mapping[Expr, Expr]) -> float:
     lowest = branch_from(expr, values, sp.Integer(0))
     value = number_at(lowest, {**values, symbols.v: sp.Integer(0)})
     if value is sp.nan:
+        if (series := in_floats(lowest, values)) is not None:
+            return series[1].onset
         # Values of exponents decide the limit of v^p/v; those of other parameters stay out of the algebra.
         bound = lowest.replace(sp.Pow, lambda b, p: b ** (p if p.has(symbols.v) else number_at(p, values)))
         infinite = sp.Dummy("infinite")
@@ -67,43 +71,6 @@ def limit_at_rest(expr: Expr, values: Mapping[Expr, Expr]) -> float:
         elif not value.has(sp.nan, sp.zoo):
             value = number_at(value, values)
     return math.nan if value.has(sp.zoo) else float(value)
-
-
-@lru_cache(maxsize=256)
-def symbolic_limit_at_rest(expr: Expr) -> Expr:
-    """Return the limit of an expression in v and parameters as v falls to 0; `sympy.nan` if none is found.
-
-    Where it depends on the sign of a place, it is a Piecewise.
-    """
-    for node in kinked(expr):
-        cases = []
-        for part, condition in node.args:
-            if (holds := condition.xreplace({symbols.v: sp.Integer(0)})) != sp.false:
-                cases.append((symbolic_limit_at_rest(expr.xreplace({node: part})), holds))
-            if holds == sp.true:
-                break
-        return sp.nan if any(limit is sp.nan for limit, _ in cases) else sp.Piecewise(*cases)
-    # SymPy says in these ways that it finds no limit.
-    try:
-        limit = fold(elementary(expr), _at_zero)
-        if not limit.is_finite:  # SymPy takes for ever for functions of steep logarithms
-            limit = sp.limit(elementary(expr), symbols.v, 0, "+")
-    except (ArithmeticError, NotImplementedError, TypeError, ValueError):
-        return sp.nan
-    return sp.nan if limit.has(symbols.v, sp.Limit, sp.AccumBounds, sp.I, sp.nan) else limit
-
-
-def _at_zero(node: Expr, parts: list[Expr]) -> Expr:
-    """Return a node at v = 0, a logarithm there as minus infinity; NaN where that does not decide its limit."""
-    if node == symbols.v:
-        return sp.Integer(0)
-    if isinstance(node, sp.log) and parts[0] == 0:
-        return -sp.oo
-    if node.is_Pow and not parts[0].is_finite:  # SymPy has 0 where the sign of the exponent is not known
-        return sp.Integer(0) if parts[0].is_infinite and parts[1].is_negative else sp.nan
-    if sp.zoo in parts and not (node.is_Add or node.is_Mul):
-        return sp.nan
-    return node.func(*parts) if parts else node
 
 
 # -- rises -----------------------------------------------------------------------------------------
@@ -128,6 +95,9 @@ def _rise(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -
     if start:  # computed by balls: the two may be close
         ends = number_at(piece, {**values, symbols.v: start}), number_at(lowest, {**values, symbols.v: sp.S.Zero})
         before = float(ends[0] - ends[1]) if all(end.is_finite for end in ends) else math.nan
+    if gained is None and start == 0 and (series := in_floats(piece, values)) is not None:
+        reach, polynomial = series
+        return lambda v: np.where(v <= reach, polynomial.rise(v), _difference(plain, onset, v))
     risen = None if gained is None else function_at(gained, {**values, _START: start}, "numpy")
     with np.errstate(all="ignore"):
         large = (np.abs(reals(plain(_SPEEDS)) - onset) > _LARGE) & (float(start) <= _SPEEDS)
@@ -136,7 +106,7 @@ def _rise(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -
 
     def rising(v: FloatArray) -> FloatArray:
         with np.errstate(all="ignore"):  # what is lost at extreme values is taken from the other
-            difference = reals(plain(v)) - onset + np.zeros_like(v)
+            difference = _difference(plain, onset, v)
             if risen is None:
                 return difference
             value = reals(risen(v)) + before
@@ -146,6 +116,11 @@ def _rise(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -
         return np.where(np.isfinite(value) & (v < farthest) & ~(np.abs(difference) > _LARGE), value, difference)
 
     return rising
+
+
+def _difference(plain: Callable[[FloatArray], Any], onset: float, v: FloatArray) -> FloatArray:
+    with np.errstate(all="ignore"):
+        return reals(plain(v)) - onset + np.zeros_like(v)
 
 
 def _term_by_term(piece: Expr, start: Expr, values: Mapping[Expr, Expr]) -> list[Rising]:

@@ -21,6 +21,7 @@ from stickslip_sym.model.expression.pieces import branch_from, kinks_at
 from stickslip_sym.model.expression.slope import slope_of
 from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.model.table import FrictionTable, Smooth
+from stickslip_sym.model.taylor_model import RestPolynomial, in_floats
 
 
 @dataclass(frozen=True)
@@ -203,10 +204,27 @@ class BoundLaw:
         except ArithmeticError:
             value = np.asarray(np.nan)
         result = np.broadcast_to(value, speeds.shape).astype(np.float64)
+        if self._near_rest is not None:  # where terms cancel
+            reach, series = self._near_rest
+            low = speeds <= reach
+            result[low] = series.slope(speeds[low]) if derivative else series.onset + series.rise(speeds[low])
         at_zero = np.isnan(result) & (speeds == 0)
         if at_zero.any():  # where a formula such as v^p/v is 0/0
             result[at_zero] = at_rest.limit_at_rest(slope_of(self.expr) if derivative else self.expr, self.point)
         return result
+
+    @cached_property
+    def _near_rest(self) -> tuple[float, RestPolynomial] | None:
+        """The slip speed up to which mu is taken from its series, and that; None where its formula has a value."""
+        if self.curve is not None:
+            return None
+        with np.errstate(all="ignore"):
+            try:
+                if np.isfinite(at_rest.reals(self._mu(np.zeros(1)))).all():
+                    return None
+            except ArithmeticError:
+                pass
+        return in_floats(self.segments[0][1], self.point)
 
     @cached_property
     def rises(self) -> list[tuple[float, at_rest.Rising]]:

@@ -26,6 +26,7 @@ from stickslip_sym.model.expression.pieces import rate
 from stickslip_sym.model.expression.reading import as_text, read_formula
 from stickslip_sym.model.expression.slope import slope_of
 from stickslip_sym.model.expression.units import check_units
+from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.measured.making import MadeOfMeasurements
 from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.model.terms import Term, terms_of
@@ -175,7 +176,7 @@ class FrictionLaw(DescribedLaw, MadeOfMeasurements):
         """The coefficient that limits sticking: `static`, or mu(0+) where none was given."""
         if self.static is not None:
             return self.static
-        limit = at_rest.symbolic_limit_at_rest(self.expr)
+        limit = symbolic_limit_at_rest(self.expr)
         if limit is sp.nan:
             raise InputError(
                 f"no limit mu(0+) was found for {self._label()}, {self.text[:60]}; give the static coefficient: ",

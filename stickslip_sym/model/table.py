@@ -41,6 +41,7 @@ from stickslip_sym.core.remedies import Argument, Remedy
 from stickslip_sym.model.at_rest import Rising
 from stickslip_sym.model.expression.slope import slope_of
 from stickslip_sym.model.expression.transitions import transitions
+from stickslip_sym.model.taylor_model import balls_from_rest
 
 FARTHEST = 1e20
 """The slip speed in m/s at which a table ends at the latest: a motion that comes so far grows without bound."""
@@ -303,7 +304,12 @@ class _Segment:
         quick = transitions(expr, point)
         self.changes = np.reshape(np.array(quick, dtype=np.float64), (len(quick), 2)).T
         if not self.derivative:
-            self.slopes = [ball_function(slope, symbols.v, point) for slope in _slopes(expr)]
+            forms = _slopes(expr)
+            self.slopes = (
+                [ball_function(slope, symbols.v, point) for slope in forms]
+                if self.start
+                else [balls_from_rest(expr, point, slope=slope) for slope in forms]
+            )
 
     def tabulated(self) -> tuple[FloatArray, float]:
         """Return the pieces, and the speed up to which they go."""

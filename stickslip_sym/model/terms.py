@@ -15,8 +15,11 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.balls import ball_value
+from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.expression.letters import lettered
 from stickslip_sym.model.expression.pieces import RELATIONS, place_of
+from stickslip_sym.model.taylor_model import cancels, poles
 
 
 @dataclass(frozen=True)
@@ -68,15 +71,68 @@ def terms_of(mu: Expr) -> tuple[Term, ...]:
 
     A part without v is a term whose profile is 1. A polynomial with one scale is one term, which rounds as one;
     any other is split by powers. Of the exponential law the terms are mu_m and (mu_s - mu_m) exp(-v/(1/alpha)).
+    Parts that are infinite at rest, or grow far out, and cancel there are one term: (1 - exp(-v))/v.
     """
     v = symbols.v
     polynomial, terms = sp.Integer(0), []
-    for rest, constant in grouped(mu, v).items():
+    parts = grouped(mu, v)
+    for group in _cancelling(parts):
+        terms.append(_scaled(sp.Integer(1), sp.Add(*(parts.pop(rest) * rest for rest in group))))
+    for rest, constant in parts.items():
         if rest.is_polynomial(v):
             polynomial += constant * rest
         else:
             terms.append(_in_letters(constant, rest))
     return (*_polynomial_terms(polynomial, v), *terms)
+
+
+_FAR = sp.Integer(10) ** 9
+"""A slip speed in m/s, far out."""
+_GROWN = 1000  # the size of a function that grows like a power, there
+
+
+def _cancelling(parts: Mapping[Expr, Expr]) -> list[list[Expr]]:
+    """Return functions that are infinite at rest, or far out, like a power of v, where their sum is finite.
+
+    Whether they cancel is looked at for some values of the parameters: parts that stand together for nothing are
+    no error.
+    """
+    symbols_of = sorted({symbol for rest in parts for symbol in (parts[rest] * rest).free_symbols}, key=str)
+    point = {symbol: sp.Rational(17 + 6 * k, 16) for k, symbol in enumerate(symbols_of) if symbol != symbols.v}
+    groups: list[list[Expr]] = []
+    for far in (False, True):
+        left = [rest for rest in parts if rest.has(symbols.v) and not any(rest in group for group in groups)]
+        large = [rest for rest in left if _is_infinite(rest, point, far=far)]
+        if len(large) < 2 or any(rest.has(sp.Piecewise) for rest in large):
+            continue
+        at_end = [(parts[rest] * rest).subs(symbols.v, 1 / symbols.v if far else symbols.v) for rest in large]
+        strengths = [poles(function, point) for function in at_end]
+        for powers in _shared(strengths):
+            of = [k for k, strength in enumerate(strengths) if powers & strength.keys()]
+            sums = [[strengths[k][power] for k in of if power in strengths[k]] for power in powers]
+            if len(of) > 1 and all(map(cancels, sums)):
+                groups.append([large[k] for k in of])
+    return groups
+
+
+def _is_infinite(function: Expr, point: Mapping[Expr, Expr], *, far: bool) -> bool:
+    """Whether a function has no finite value at rest, or is large far out."""
+    if not far:
+        return bool(function.subs(symbols.v, 0).has(sp.nan, sp.zoo, sp.oo, -sp.oo))
+    try:
+        value = ball_value(function, {**point, symbols.v: _FAR})
+    except (InputError, ValueError, ZeroDivisionError):
+        return False
+    return bool(value.is_finite() and abs(value.real) > _GROWN)
+
+
+def _shared(strengths: Sequence[Mapping[Expr, object]]) -> list[set[Expr]]:
+    """Return sets of powers such that what has one of a set has none of another."""
+    sets: list[set[Expr]] = []
+    for strength in strengths:
+        joined = set(strength).union(*(powers for powers in sets if powers & strength.keys()))
+        sets = [powers for powers in sets if not powers & joined] + [joined]
+    return [powers for powers in sets if powers]
 
 
 def _polynomial_terms(polynomial: Expr, v: Expr) -> Iterator[Term]:
@@ -123,7 +179,10 @@ def _scaled(constant: Expr, rest: Expr, rounded: Callable[[Expr], Expr] = lambda
 
 
 def _with_scale(constant: Expr, rest: Expr, scale: Expr) -> Term:
-    coefficient, profile = _simplified(_at_scale(rest, scale)).as_independent(symbols.v, as_Add=False)
+    function = _simplified(_at_scale(rest, scale))
+    if function.is_Add and not function.is_polynomial(symbols.v):  # terms that cancel
+        function = sp.factor_terms(function)
+    coefficient, profile = function.as_independent(symbols.v, as_Add=False)
     if profile.is_polynomial(symbols.v) and not shapes_of(profile):
         polynomial = sp.Poly(profile, symbols.v)
         content, monic = polynomial.monic().as_expr().as_content_primitive()

@@ -102,6 +102,23 @@ class Series:
         return total
 
 
+_BEYOND = Series({}, -math.inf)
+"""What grows faster than any power."""
+
+
+def _beyond(node: Expr, parts: list[Series]) -> Series:
+    """Return a node of what grows faster than any power: that too, or what vanishes faster than any."""
+    others = [part for part in parts if part is not _BEYOND]
+    if node.is_Pow and node.exp.is_negative:
+        return Series({})
+    if len(others) < len(parts) - 1 or not (node.is_Add or node.is_Mul or (node.is_Pow and node.exp.is_positive)):
+        raise Unexpanded(f"{node} grows in ways that may cancel")
+    if node.is_Mul:
+        for part in others:
+            _ = part.leading  # a factor that may be 0 is refused
+    return _BEYOND
+
+
 class _Expander:
     """The algebra of generalised series in x = v, or in x = 1/v far out."""
 
@@ -116,6 +133,8 @@ class _Expander:
             if not value.is_finite() or value.imag != 0:
                 raise Unexpanded(f"{node} has no value")
             return Series.of({(0, 0): value.real}, math.inf)
+        if any(part is _BEYOND for part in parts):
+            return _beyond(node, parts)
         if node.is_Add or node.is_Mul:
             return reduce(add if node.is_Add else mul, parts)
         if node.is_Pow and node.base is not sp.E:
@@ -173,6 +192,8 @@ class _Expander:
                 sp.atan, self._power(inner, sp.Integer(-1))
             )
         limit = _LIMITS.get(kind, (None, None))[positive]
+        if kind is sp.exp and positive:
+            return _BEYOND
         if limit is None:
             raise Unexpanded(f"{kind.__name__} has no limit")
         return Series.of({(0, 0): arb(limit)}, math.inf)
@@ -191,9 +212,12 @@ def _taylor(kind: type[Expr], start: arb) -> list[arb]:
 def expanded(slope: Expr, point: Mapping[Expr, Expr], unit: int, *, far: bool) -> Series:
     """Return the series of a slope at rest, or in 1/v far out; the exponents are in units of 1/`unit`."""
     try:
-        return fold(slope, _Expander(point, unit, far))
+        series = fold(slope, _Expander(point, unit, far))
     except (InputError, ValueError, ZeroDivisionError, OverflowError) as failure:
         raise Unexpanded(str(failure)) from None
+    if series is _BEYOND:
+        raise Unexpanded("it grows faster than any power")
+    return series
 
 
 def unit_of(slope: Expr, point: Mapping[Expr, Expr], criterion: Criterion) -> int:

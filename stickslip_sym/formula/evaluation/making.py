@@ -61,6 +61,7 @@ _UNITS = 2.75  # of eps <|g'|>, by which a formula may differ from balls
 _WRITTEN = 16  # of the same, by which what is written as code may differ from the definition
 
 _FARTHEST = 40  # octaves beyond all scales of a profile up to which a closed form is compared
+_WAVING = (5, 3)  # the same of a profile that waves for ever, whose table ends there
 _STEPS = 12  # octaves from a scale, or from a corner, within which a series begins to hold
 _LARGEST = 2.0**960  # of a coefficient: its products with its power of r stay within range
 _MOST_BITS = 600  # of working precision for an enclosure of the definition: mu cancels by 2 bits an octave at rest
@@ -97,7 +98,7 @@ def branches_of(
 
 def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Mapping[Expr, Expr]) -> Verdict:
     """Compare each branch with enclosures of the definition: at its ends, between them, and far beyond."""
-    mean_slope, values = MeanSlope(profile, criterion, list(shapes)), [float(x) for x in shapes.values()]
+    mean_slope, values = MeanSlope(profile, criterion, shapes), [float(x) for x in shapes.values()]
     count, decay = 0, decay_at_rest(branch_from(profile, shapes, sp.S.Zero), shapes)
     local, kinks = criterion.weight is None, kinks_at(profile, shapes)
 
@@ -213,9 +214,10 @@ class _Builder:
         if reach == math.inf:
             direct = self._direct(last[0] if last else self.highest * 2.0**_FARTHEST)
         if last is None and direct is None:
-            last = self.highest * 2.0**_FARTHEST, nothing
-            if not self._fit([], last[0] / 2, last[0], None, 1):
-                return None  # it waves for ever
+            farthest = next((k for k in (_FARTHEST, *_WAVING) if self._is_tabulated(self.highest * 2.0**k)), None)
+            if farthest is None:
+                return None
+            last = self.highest * 2.0**farthest, nothing
         outer = [pair for pair in (direct, last) if pair is not None]
         first = self._near_rest(outer[0][0])
         if first is None:
@@ -229,18 +231,26 @@ class _Builder:
         starts, branches = zip(*pairs, *outer, strict=True)
         return Branches(starts, branches)
 
+    def _is_tabulated(self, r: float) -> bool:
+        """Whether panels up to a ratio are no narrower than an octave's half, or it is as close as waves allow."""
+        try:
+            return self._fit([], r / 2, r, None, 1 if r > self.highest * 2.0 ** _WAVING[0] else _HALVINGS)
+        except Unresolved:
+            return False
+
     def _powers_alone(self) -> Branches | None:
         """Return the average of a sum of whole powers of v, or of one power, by the moments of the weight."""
         if self.values.kinks:
             return None
-        terms: dict[Expr, float] = {}
+        coefficients: dict[Expr, Expr] = {}
         for term in sp.Add.make_args(sp.expand(slope_of(self.profile))):
             coefficient, power = term.as_independent(symbols.v, as_Add=False)
             base, exponent = power.as_base_exp()
             if base not in (1, symbols.v):
                 return None
             exponent = (exponent if base == symbols.v else sp.S.Zero).xreplace(self.point)
-            terms[exponent] = float(-coefficient.xreplace(self.point) * self.criterion.mean_power(exponent))
+            coefficients[exponent] = -coefficient.xreplace(self.point)
+        terms = {e: float(c * self.criterion.mean_power(e)) for e, c in coefficients.items()}
         low, high = min(terms), max(terms)
         if low == high:
             return Branches((0.0,), (_sum(low, sp.S.One, ((None, (terms[low],)),)),))

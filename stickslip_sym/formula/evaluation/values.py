@@ -16,7 +16,7 @@ from itertools import combinations, pairwise
 
 import numpy as np
 import sympy as sp
-from flint import acb, arb, arb_mat, arb_poly, arb_series
+from flint import acb, arb, arb_mat, arb_poly, arb_series, fmpq_poly
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
@@ -30,6 +30,7 @@ from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.evaluation.interpolation import legendre
 from stickslip_sym.model.expression.pieces import branch_from, jumps, kinks_at
+from stickslip_sym.model.taylor_model import balls_from_rest, in_floats
 
 BITS = 110
 """The working precision of values."""
@@ -56,6 +57,7 @@ _DEEP = 800  # bits of working precision in the innermost panel, which ends 40 o
 _DEEPEST = -40  # octaves below that of the lowest kink, or below 1, where the innermost panel is looked for
 _LARGEST_ORDER = 16
 _P, _Q = sp.symbols("p q", cls=sp.Dummy)
+_HIGHEST = 25  # coefficients of a polynomial whose roots are computed exactly
 _LONGEST_LOG = 600.0  # of a scale: no speed in floats is further from 1 by its square
 _BEFORE_THE_END = 2.0**-9  # of the speed at which a profile ends: nearer to it there are no values
 
@@ -99,11 +101,13 @@ class Values:
         inner = [binary_fraction(float(low + high) / 2) for low, high in pairwise([arb(0), *self.kinks])]
         outer = binary_fraction(float(2 * self.kinks[-1])) if self.kinks else sp.Integer(1)
         pieces = [branch_from(profile, point, place) for place in (*inner, outer)]
-        self.slopes = [ball_function(_centred(slope_of(piece)), symbols.v, point) for piece in pieces]
+        first, *others = pieces
+        self.slopes = [balls_from_rest(first, point, slope=_centred(slope_of(first)))]
+        self.slopes += [ball_function(_centred(slope_of(piece)), symbols.v, point) for piece in others]
         self.parts = pieces
         self._series_of: dict[int, Callable[[arb_series], arb_series]] = {}
         self._jumps = [_reals(jump, point) for jump in jumps(profile, point)]
-        mean_slope, shapes = MeanSlope(profile, criterion, list(point)), [float(value) for value in point.values()]
+        mean_slope, shapes = MeanSlope(profile, criterion, point), [float(value) for value in point.values()]
         self.mean_slope: Callable[[FloatArray], FloatArray] = lambda r: mean_slope(r, *shapes)
         self.reach = reach_of(profile, point)
         self.end = self.reach * (1 - _BEFORE_THE_END)
@@ -402,13 +406,18 @@ def _slope_of_term(term: Expr) -> Expr:
 class MeanSlope:
     """<|g'|> of a profile to a few per cent, the unit in which errors of F are measured.
 
-    Call it with an array of r, and of each parameter.
+    Call it with an array of r, and of each parameter; `parameters` have their values where those are known.
     """
 
     _LEVELS, _POINTS = 70, 6  # panels towards x = 0, nodes in each
 
-    def __init__(self, profile: Expr, criterion: Criterion, parameters: Sequence[Expr]) -> None:
+    def __init__(
+        self, profile: Expr, criterion: Criterion, parameters: Sequence[Expr] | Mapping[Expr, Expr]
+    ) -> None:
         slope, self._local = slope_of(profile), criterion.weight is None
+        point = parameters if isinstance(parameters, Mapping) else {}
+        known = profile.free_symbols <= {symbols.v, *point}
+        self._near_rest = in_floats(branch_from(profile, point, sp.S.Zero), point) if known else None
         functions = [slope]
         if self._local:
             # At one point the rounding of r itself counts.
@@ -432,10 +441,12 @@ class MeanSlope:
         columns = [np.asarray(parameter)[..., None] for parameter in parameters]
         x = r[:, None] * self._p
         with np.errstate(all="ignore"):
-            sizes = [
-                np.nansum(np.broadcast_to(np.abs(function(x, *columns)), x.shape) * self._w, axis=1)
-                for function in self._functions
-            ]
+            values = [np.abs(np.broadcast_to(function(x, *columns), x.shape)) for function in self._functions]
+            if self._near_rest is not None:  # where terms cancel in floats
+                reach, series = self._near_rest
+                near = np.abs(series.slope(np.minimum(x, reach)))
+                values = [np.where(x <= reach, near, size) for size in values]
+            sizes = [np.nansum(size * self._w, axis=1) for size in values]
         return np.asarray(np.max(sizes, axis=0))
 
 
@@ -453,14 +464,19 @@ def reach_of(profile: Expr, point: Mapping[Expr, Expr]) -> float:
         for node in profile.atoms(sp.Pow)
         if node.base != symbols.v and not (node.exp.is_Integer and node.exp.is_positive)
     }
-    shapes = [float(value) for value in point.values()]
-    return min((_first_zero(a, list(point), shapes) for a in arguments if a.has(symbols.v)), default=np.inf)
+    return min((_first_zero(a, point) for a in arguments if a.has(symbols.v)), default=np.inf)
 
 
-def _first_zero(expr: Expr, parameters: list[Expr], values: list[float]) -> float:
-    """Return the lowest speed at which a function of v changes its sign, or infinity."""
+def _first_zero(expr: Expr, point: Mapping[Expr, Expr]) -> float:
+    """Return the lowest speed at which a function of v is 0 or changes its sign, or infinity.
+
+    Of a polynomial by its exact roots: in floats a sum that is nearly 0, as beside a narrow peak, has any sign.
+    """
     if expr.is_positive:
         return np.inf
+    if (zeros := _positive_zeros(expr, point)) is not None:
+        return min(zeros, default=np.inf)
+    parameters, values = list(point), [float(value) for value in point.values()]
     function = function_of([symbols.v, *parameters], expr, "numpy")
     with np.errstate(all="ignore"):
         signs = np.sign(np.broadcast_to(function(_GRID, *values), _GRID.shape))
@@ -473,6 +489,18 @@ def _first_zero(expr: Expr, parameters: list[Expr], values: list[float]) -> floa
             below = np.sign(function(middle, *values)) == signs[changes[0]]
             low, high = (middle, high) if below else (low, middle)
     return float(low)
+
+
+def _positive_zeros(expr: Expr, point: Mapping[Expr, Expr]) -> list[float] | None:
+    """Return the zeros of a polynomial in v above 0; None for another function."""
+    bound = expr.xreplace(dict(point))
+    if not bound.is_polynomial(symbols.v):
+        return None
+    coefficients = sp.Poly(bound, symbols.v).all_coeffs()[::-1]
+    if len(coefficients) > _HIGHEST or not all(c.is_Rational for c in coefficients):
+        return None
+    pairs = fmpq_poly(list(map(rational, coefficients))).complex_roots() if len(coefficients) > 1 else []
+    return [float(zero.real) for zero, _ in pairs if zero.imag == 0 and zero.real > 0]
 
 
 def scales_of(profile: Expr, point: Mapping[Expr, Expr]) -> tuple[float, float]:

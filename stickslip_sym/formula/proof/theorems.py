@@ -182,7 +182,7 @@ def _limit_of_term(term: Expr, x: Expr) -> Expr:
     logarithms, others = sp.sift(sp.Mul.make_args(term), is_logarithm, binary=True)
     if not logarithms:
         return term.subs(x, 0)
-    p = sp.Mul(*others).as_powers_dict()[x]
+    p = sp.sympify(sp.Mul(*others).as_powers_dict()[x])
     vanishes = p.is_positive and not p.has(x) and not (sp.Mul(*others) / x**p).subs(x, 0).has(*_INFINITE)
     return sp.Integer(0) if vanishes else sp.nan
 

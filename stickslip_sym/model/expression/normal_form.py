@@ -17,6 +17,7 @@ from stickslip_sym.model.expression.pieces import joined
 
 _MOST_EXPANDED = 6  # of a power of a sum of two terms that a rule makes
 _HIGHEST_POWER = 24  # of v that a rule makes
+_ANY = sp.Wild("x")
 _RECIPROCALS: dict[type[Expr], type[Expr]] = {sp.cosh: sp.sech, sp.tanh: sp.coth}
 _OF_LOGARITHMS: dict[type[Expr], Callable[[Expr], Expr]] = {
     sp.tanh: lambda x: (x**2 - 1) / (x**2 + 1), sp.sech: lambda x: 2 * x / (x**2 + 1),
@@ -31,6 +32,7 @@ def normal_form(expr: Expr) -> Expr:
     - ``1/cosh(x)`` is sech(x), 1 - tanh(x)^2 is sech(x)^2, and ``1/(exp(x) + exp(-x))`` sech(x)/2.
     - ``1/(b + a*exp(x))`` is (1 - tanh(y/2))/(2 b) with y = x + log(a/b).
     - ``a^x`` is exp(x*log(a)), and exp(p*log(x)) is x^p.
+    - ``1/(a*exp(x) - b)`` is exp(-x)/(a - b exp(-x)).
     - A product of an exponential and hyperbolic functions is a sum of exponentials.
     - tanh(log(x)) is (x^2 - 1)/(x^2 + 1), and log(b + a/v^p) a difference of logarithms without the quotient.
     - ``1/(5*v + 5)`` is (1/5)/(v + 1).
@@ -83,6 +85,8 @@ def _power(base: Expr, exponent: Expr) -> Expr:
     if base.is_Add and exponent.is_Integer and exponent < 0:
         if exponent >= -_MOST_EXPANDED and (reciprocal := _reciprocal_of_exponentials(base)) is not None:
             return reduce(lambda a, b: sp.expand(a * b), [reciprocal] * int(-exponent))
+        if (falling := _by_what_falls(base)) is not None:
+            return power(falling[1], exponent) * sp.exp(exponent * falling[0].args[0])
         whole = sp.Integer(base.primitive()[0].p)
         if whole != 1:  # SymPy keeps 1/(5*(v + 1)), but takes 5*(v + 1) for 5*v + 5
             return whole**exponent * sp.Add(*(term / whole for term in base.args)) ** exponent
@@ -103,6 +107,18 @@ def _reciprocal_of_exponentials(base: Expr) -> Expr | None:
     if x == 0:
         (a, x), (b, y) = (b, y), (a, x)
     return (1 - sp.tanh((x + sp.log(a / b)) / 2)) / (2 * b) if y == 0 else None
+
+
+def _by_what_falls(base: Expr) -> tuple[Expr, Expr] | None:
+    """Return a exp(x) - b, x growing with v, as exp(x) and a - b exp(-x), whose balls are small far out."""
+    constant, growing = base.as_independent(sp.exp, as_Add=True)
+    front, rest = growing.as_independent(sp.exp, as_Add=False)
+    if not isinstance(rest, sp.exp) or front.has(symbols.v) or constant.has(symbols.v) or constant == 0:
+        return None
+    rate = sp.diff(rest.args[0], symbols.v)
+    if not (rate.is_positive and not rate.has(symbols.v) and (constant * front).is_negative):
+        return None
+    return rest, front + constant * sp.exp(-rest.args[0])
 
 
 def _exponential(argument: Expr) -> Expr:
@@ -162,7 +178,12 @@ def _without_poles(expr: Expr) -> Expr:
 
 
 def _product(expr: Expr) -> Expr:
-    """Return a product of an exponential and hyperbolic sines and cosines as a sum of exponentials."""
+    """Return a product of an exponential and hyperbolic sines and cosines as a sum of exponentials.
+
+    One of an exponential and 1 - erf(x) holds erfc(x), which keeps its digits where the exponential grows.
+    """
+    if expr.has(sp.erf) and any(isinstance(factor, sp.exp) for factor in expr.args):
+        expr = expr.replace(1 - sp.erf(_ANY), sp.erfc(_ANY))
     moving = [factor for factor in expr.args if factor.has(symbols.v)]
     waves = [factor for factor in moving if factor.has(sp.sinh, sp.cosh)]
     decays = [factor for factor in moving if isinstance(factor, sp.exp)]

@@ -27,8 +27,8 @@ from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.core.remedies import Argument
-from stickslip_sym.model.at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
 
 _SCALES = tuple(2.0**-i for i in range(-1, 9))  # of the radii that are tried for the polydisc
 _SHARE = 0.25  # of the time rho that a step takes: with it a term gains two bits

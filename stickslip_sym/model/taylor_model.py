@@ -1,0 +1,400 @@
+"""A coefficient of friction near rest as a power series with a bound on all that the series leaves out.
+
+(1 - exp(-v))/v has no ball around v = 0, for each of its terms is infinite there. As a series the terms cancel
+exactly, and what stays is small on balls of any width. So a formula is expanded as a whole: with x = v^(1/unit)
+
+    f = x^low (c_0 + c_1 x + ...) + x^top g(x),    |g(x)| <= rest    wherever |x| <= radius in the complex plane.
+
+Sums, products and powers are those of Taylor models (Makino, Berz: Taylor models and other validated functional
+inclusion methods, Int. J. Pure Appl. Math. 4, 2003); a function's own remainder is bounded by Cauchy's estimate.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache, reduce
+from operator import add, mul
+
+import numpy as np
+import sympy as sp
+from flint import acb, acb_poly, arb, arb_poly, arb_series, ctx
+
+from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr, FloatArray
+from stickslip_sym.core.balls import BallFunction, ball_function, ball_value, number_at, rational, series_function
+from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.functions import Function, fold, row
+from stickslip_sym.core.precision import working_precision
+from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
+
+_MOST_TERMS = 160  # of a polynomial: more precision than they give is asked for in thousands of digits only
+_MOST_MULTIPLIED = 16  # of a whole power that is multiplied out
+_WIDER = 2  # times the size of an argument: the circle on which a function is bounded
+_RADII = 12  # halvings of the radius that are tried
+_INSIDE = 0.25  # of the radius: within it the remainder is below 2^(-3 terms)
+_INSIDE_IN_FLOATS = 1 / 16  # within which floats need few terms
+_BITS_OF_FLOATS = 128
+_CANCELLED = 2.0**-90  # of the sizes of coefficients: below it their sum is 0
+_UNSEEN = 2.0**-60  # of the largest coefficient: below it a coefficient that may be 0 is 0 to floats
+
+
+_RECIPROCALS: dict[type[Expr], type[Expr]] = {sp.coth: sp.tanh, sp.csch: sp.sinh}
+
+
+class NotAnalytic(ArithmeticError):
+    """A formula has no such series at rest, or none whose first term is certain."""
+
+
+@dataclass(frozen=True)
+class TaylorModel:
+    """A function of x, and what its polynomial leaves out.
+
+    Attributes
+    ----------
+    low : int
+        The power of x that stands before the polynomial.
+    polynomial : flint.arb_poly
+    top : int
+        The power of x that stands before what is left out.
+    rest : flint.arb
+        A bound on that, over x^top.
+    radius : flint.arb
+        Of x, up to which it holds.
+    unit : int
+        x = v^(1/unit).
+    """
+
+    low: int
+    polynomial: arb_poly
+    top: int
+    rest: arb
+    radius: arb
+    unit: int
+
+    def __add__(self, other: "TaylorModel") -> "TaylorModel":
+        low, top = min(self.low, other.low), min(self.top, other.top)
+        total = self.polynomial.left_shift(self.low - low) + other.polynomial.left_shift(other.low - low)
+        rest = sum((one.rest * self.radius ** (one.top - top) for one in (self, other)), arb(0))
+        return self._cut(low, total, top, rest)
+
+    def __mul__(self, other: "TaylorModel") -> "TaylorModel":
+        low, radius = self.low + other.low, self.radius
+        tops = self.top + other.low, other.top + self.low
+        top = min(tops)
+        sizes = _size(other.polynomial, radius), _size(self.polynomial, radius)
+        rests = self.rest, other.rest
+        rest = sum((r * s * radius ** (t - top) for r, s, t in zip(rests, sizes, tops, strict=True)), arb(0))
+        rest += self.rest * other.rest * radius ** (self.top + other.top - top)
+        return self._cut(low, self.polynomial * other.polynomial, top, rest)
+
+    def _cut(self, low: int, polynomial: arb_poly, top: int, rest: arb) -> "TaylorModel":
+        """Return a model whose polynomial ends below x^top, and begins with what is not exactly 0."""
+        kept = max(top - low, 0)
+        rest += _size(polynomial.right_shift(kept), self.radius) * self.radius ** max(low - top, 0)
+        coefficients = list(polynomial.truncate(kept))
+        zeros = next((k for k, c in enumerate(coefficients) if c != 0 or c.rad() != 0), len(coefficients))
+        whole = arb_poly(coefficients[zeros:])
+        return replace(self, low=low + zeros, polynomial=whole, top=max(top, low + zeros), rest=rest.abs_upper())
+
+    @property
+    def is_exactly_zero(self) -> bool:
+        """Whether it is the number 0."""
+        return bool(self.polynomial.length() == 0 and self.rest == 0)
+
+    @property
+    def size(self) -> arb:
+        """A bound on the function within the radius, for a function without a pole."""
+        return _size(self.polynomial, self.radius) * self.radius**self.low + self.rest * self.radius**self.top
+
+    def scaled(self, factor: arb, power: int = 0) -> "TaylorModel":
+        """Return it times a number and a power of x."""
+        return replace(
+            self, low=self.low + power, polynomial=self.polynomial * factor, top=self.top + power,
+            rest=(self.rest * abs(factor)).abs_upper(),
+        )  # fmt: skip
+
+    def constant(self, value: arb) -> "TaylorModel":
+        """Return a number with as many terms."""
+        return self._cut(0, arb_poly([value]), self.top - self.low, arb(0))
+
+    @property
+    def leading(self) -> arb:
+        """The first coefficient, which must be certain."""
+        first = self.polynomial[0]
+        if self.polynomial.length() == 0 or not bool(first != 0):
+            raise NotAnalytic("the first term is not certain")
+        return first
+
+    def without_first(self) -> "TaylorModel":
+        """Return it without its first coefficient."""
+        if self.polynomial.length() == 0:
+            raise NotAnalytic("no coefficient is known")
+        return replace(self, low=self.low + 1, polynomial=self.polynomial.right_shift(1))
+
+    def inserted_in(self, coefficients: Sequence[arb], most: arb) -> "TaylorModel":
+        """Return a power series of this, which vanishes with x; `most` bounds the function a circle farther out.
+
+        By Cauchy's estimate coefficient k of a function that is below `most` on |w| = r is below most/r^k. What
+        the product of polynomials has beyond the last power is bounded by that of the sizes of their coefficients.
+        """
+        if self.low < 1 or not most.is_finite():
+            raise NotAnalytic("a function is not bounded")
+        if self.size == 0:
+            return self.constant(coefficients[0])
+        count, inner = self.top, self.polynomial.left_shift(self.low)
+        with working_precision(ctx.prec, count):
+            whole, sizes = (
+                arb_series(list(map(of, coefficients)))(arb_series(list(map(of, inner)))) for of in (_same, abs)
+            )
+        largest = arb_poly([abs(c) for c in coefficients])(self.size)
+        cut_off = largest - arb_poly([sizes[k] for k in range(count)])(self.radius)
+        left_out = most * arb(_WIDER) ** (1 - len(coefficients)) / (_WIDER - 1)
+        rest = (abs(cut_off) + left_out) / self.radius**count
+        return replace(self, low=0)._cut(0, arb_poly([whole[k] for k in range(count)]), count, rest)
+
+    def derivative(self) -> "TaylorModel":
+        """Return the derivative by v within half the radius: Cauchy's estimate bounds that of the remainder."""
+        radius = self.radius / 2
+        coefficients = [(self.low + k) * c / self.unit for k, c in enumerate(self.polynomial)]
+        rest = self.rest * (abs(self.top) + radius / (self.radius - radius)) / self.unit
+        low, top = self.low - self.unit, self.top - self.unit
+        return replace(self, radius=radius)._cut(low, arb_poly(coefficients), top, rest)
+
+    def within(self, v: acb) -> bool:
+        """Whether slip speeds are so low that the series is as good as its precision."""
+        return bool(v.abs_upper() <= (_INSIDE * self.radius) ** self.unit)
+
+    def ball(self, v: acb, analytic: bool) -> acb:
+        """Return a ball around the values at slip speeds within the radius."""
+        x = v if self.unit == 1 else v.pow(acb(1) / self.unit, analytic)
+        if self.low < 0 and x.contains(0):
+            return acb("nan")
+        left_out = (self.rest * arb(x.abs_upper()) ** max(self.top - self.low, 0)).abs_upper()
+        sides = arb(0, left_out), arb(0) if x.imag == 0 else arb(0, left_out)
+        return (acb_poly(list(self.polynomial))(x) + acb(*sides)) * _whole_power(x, self.low)
+
+
+def _same(value: arb) -> arb:
+    return value
+
+
+def _whole_power(x: acb, power: int) -> acb:
+    return reduce(mul, [x] * power, acb(1)) if power >= 0 else 1 / _whole_power(x, -power)
+
+
+def _size(polynomial: arb_poly, radius: arb) -> arb:
+    """Return a bound on a polynomial within a radius."""
+    return arb_poly([abs(c) for c in polynomial])(radius)
+
+
+class _Expansion:
+    """The algebra of Taylor models."""
+
+    def __init__(self, point: Mapping[Expr, Expr], unit: int, radius: arb, count: int) -> None:
+        self.point, self.count = point, count
+        self.x = TaylorModel(1, arb_poly([1]), count + 1, arb(0), radius, unit)
+
+    def __call__(self, node: Expr, parts: list[TaylorModel]) -> TaylorModel:
+        if node == symbols.v:
+            return self.x.scaled(arb(1), self.x.unit - 1)
+        if not node.has(symbols.v):
+            value = ball_value(node, self.point)
+            if not value.is_finite() or value.imag != 0:
+                raise NotAnalytic(f"{node} has no value")
+            return self.x.constant(value.real)
+        if node.is_Add or node.is_Mul:
+            return reduce(add if node.is_Add else mul, parts)
+        if node.is_Pow and node.base is not sp.E:
+            return self._power(parts[0], number_at(node.exp, self.point))
+        if node.func in _RECIPROCALS:
+            return self._power(self(_RECIPROCALS[node.func](node.args[0]), parts), sp.S.NegativeOne)
+        known = row(node)
+        if known is None or known.ball is None or len(parts) != 1:
+            raise NotAnalytic(f"{node} is expanded in no rule")
+        return self._function(known, parts[0])
+
+    def _power(self, base: TaylorModel, exponent: Expr) -> TaylorModel:
+        if exponent.is_Integer and 0 <= exponent <= _MOST_MULTIPLIED:
+            return reduce(mul, [base] * int(exponent), self.x.constant(arb(1)))
+        first = base.leading
+        shift = exponent * base.low
+        if not shift.is_Integer or not (exponent.is_Integer or first > 0):
+            raise NotAnalytic("a power of v that is not whole, or of what is negative")
+        p = arb(rational(exponent)) if exponent.is_Rational else ball_value(exponent, {}).real
+        rest = base.without_first().scaled(1 / first, -base.low)
+        farther = _WIDER * rest.size
+        if not farther < 1:
+            raise NotAnalytic("a base may vanish within the radius")
+        binomials = [arb(1)]
+        for k in range(self.count):
+            binomials.append(binomials[-1] * (p - k) / (k + 1))
+        most = ((1 + farther) ** p).max((1 - farther) ** p)
+        factor = first ** int(exponent) if exponent.is_Integer else first**p
+        return rest.inserted_in(binomials, most).scaled(factor, int(shift))
+
+    def _function(self, function: Function, inner: TaylorModel) -> TaylorModel:
+        if inner.low < 0:
+            raise NotAnalytic("a function of what is infinite at rest")
+        start, rest = (inner.polynomial[0], inner.without_first()) if inner.low == 0 else (arb(0), inner)
+        coefficients = _taylor(function.kind, start.mid().man_exp(), start.rad().man_exp(), self.count, ctx.prec)
+        farther = (_WIDER * rest.size).abs_upper()
+        around = acb(start, 0) + acb(arb(0, farther), arb(0, farther))
+        ball = acb("nan") if function.cut(around) else function.ball(around)
+        return rest.inserted_in(coefficients, arb(ball.abs_upper()) if ball.is_finite() else arb.nan())
+
+
+@lru_cache(maxsize=256)
+def _taylor(
+    kind: type[Expr], middle: tuple[int, int], radius: tuple[int, int], count: int, bits: int
+) -> tuple[arb, ...]:
+    """Return the first coefficients of a function around a ball."""
+    x, start = sp.Dummy(), arb(middle, radius)
+    with working_precision(bits, count + 1):
+        series = series_function(kind(x), x, {})(arb_series([start, 1], prec=count + 1))
+        coefficients = tuple(series[k] for k in range(count + 1))
+    if not all(coefficient.is_finite() for coefficient in coefficients):
+        raise NotAnalytic(f"{kind.__name__} is not analytic at {float(start)}")
+    return coefficients
+
+
+def unit_of_powers(expr: Expr, point: Mapping[Expr, Expr]) -> int:
+    """Return the common denominator of the powers of v at rest."""
+    exponents = [node.exp.xreplace(dict(point)) for node in expr.atoms(sp.Pow) if node.base == symbols.v]
+    return math.lcm(*(int(exponent.q) for exponent in exponents if exponent.is_Rational))
+
+
+def cancels(coefficients: Sequence[arb]) -> bool:
+    """Whether coefficients of one power of v have no sum, as far as balls can say."""
+    with working_precision(_BITS_OF_FLOATS):
+        total, size = sum(coefficients, arb(0)), sum(map(abs, coefficients), arb(0))
+        return bool(total.abs_upper() <= _CANCELLED * size)
+
+
+@dataclass(frozen=True)
+class RestPolynomial:
+    """A coefficient near rest in floats: a polynomial in v^(1/unit)."""
+
+    unit: int
+    coefficients: tuple[float, ...]
+
+    @property
+    def onset(self) -> float:
+        """Its value at rest."""
+        return self.coefficients[0]
+
+    def rise(self, v: FloatArray) -> FloatArray:
+        """Return how much it is above its value at rest."""
+        x = v if self.unit == 1 else v ** (1 / self.unit)
+        return np.asarray(np.polynomial.polynomial.polyval(x, (0.0, *self.coefficients[1:])))
+
+    def slope(self, v: FloatArray) -> FloatArray:
+        """Return its derivative by the slip speed."""
+        x = v if self.unit == 1 else v ** (1 / self.unit)
+        rates = np.arange(1, len(self.coefficients)) * self.coefficients[1:] / self.unit
+        with np.errstate(all="ignore"):
+            value = np.polynomial.polynomial.polyval(x, rates) * x ** (1 - self.unit)
+        return np.asarray(value)
+
+
+def taylor_model(expr: Expr, point: Mapping[Expr, Expr]) -> TaylorModel | None:
+    """Return a smooth coefficient near rest at the working precision; None where it has no such series.
+
+    A coefficient with a pole or a logarithm at v = 0 has none.
+    """
+    return _made(expr, tuple(point.items()), ctx.prec)
+
+
+@lru_cache(maxsize=128)
+def _made(expr: Expr, point: tuple[tuple[Expr, Expr], ...], bits: int) -> TaylorModel | None:
+    whole = sp.factor_terms(expr)  # a common factor, inexact, would hide that terms cancel
+    model = _with_pole(whole, dict(point), bits)
+    return None if model is None else _without_pole(model, whole)
+
+
+def _with_pole(expr: Expr, point: Mapping[Expr, Expr], bits: int) -> TaylorModel | None:
+    """Return the model of a function that may have a pole at v = 0."""
+    unit, count = unit_of_powers(expr, point), min(bits // 3 + 10, _MOST_TERMS)
+    for halvings in range(_RADII):
+        radius = (arb(_lowest_scale(expr, point)) / 2**halvings).root(unit)
+        try:
+            return fold(expr, _Expansion(point, unit, arb(radius.mid()), count))
+        except (NotAnalytic, InputError, ValueError, ZeroDivisionError, OverflowError):
+            continue
+    return None
+
+
+def poles(expr: Expr, point: Mapping[Expr, Expr]) -> dict[sp.Rational, arb]:
+    """Return the coefficients of the negative powers of v that a function has at rest; none where it has no series."""
+    with working_precision(_BITS_OF_FLOATS):
+        model = _with_pole(expr, point, _BITS_OF_FLOATS)
+    if model is None or model.low >= 0:
+        return {}
+    count = min(-model.low, model.polynomial.length())
+    return {sp.Rational(model.low + k, model.unit): model.polynomial[k] for k in range(count)}
+
+
+def _without_pole(model: TaylorModel, expr: Expr) -> TaylorModel | None:
+    """Return a model without a pole; None if it has one.
+
+    Coefficients below x^0 that balls do not tell from 0 are 0 where SymPy finds a finite limit.
+    """
+    poles = list(model.polynomial)[: max(0, -model.low)]
+    if model.low >= 0:
+        return model
+    if not all(c.contains(0) for c in poles) or model.top < 0 or not symbolic_limit_at_rest(expr).is_finite:
+        return None
+    return replace(model, low=0, polynomial=model.polynomial.right_shift(-model.low))
+
+
+def in_floats(expr: Expr, point: Mapping[Expr, Expr]) -> tuple[float, RestPolynomial] | None:
+    """Return a coefficient near rest where its formula is no number at v = 0; None where it is, or has no series.
+
+    That is the slip speed up to which it holds, and a polynomial in v^(1/unit) with unit and coefficients.
+    """
+    with working_precision(_BITS_OF_FLOATS):
+        direct = ball_function(expr, symbols.v, point)
+        if direct(acb(0), False).is_finite() or (model := taylor_model(expr, point)) is None:
+            return None
+        reach = float(model.radius) * _INSIDE_IN_FLOATS
+        coefficients = [float(c) for c in model.polynomial]
+        largest = max(abs(c) * reach**k for k, c in enumerate(coefficients))
+        kept = [c if abs(c) * reach**k > _UNSEEN * largest else 0.0 for k, c in enumerate(coefficients)]
+        return reach**model.unit, RestPolynomial(model.unit, tuple([0.0] * model.low + kept))
+
+
+def _lowest_scale(expr: Expr, point: Mapping[Expr, Expr]) -> float:
+    """Return the least slip speed at which an argument of a function or a base is as large as it is at rest."""
+    scales = [1.0]
+    for node in expr.atoms(sp.Function, sp.Pow):
+        argument = node.exp if node.is_Pow and node.base is sp.E else node.args[0]
+        if argument == symbols.v or not argument.is_polynomial(symbols.v):
+            continue
+        *higher, constant = (abs(float(number_at(c, point))) for c in sp.Poly(argument, symbols.v).all_coeffs())
+        level = constant if node.is_Pow and node.base is not sp.E else 1.0
+        if level:
+            scales += [(level / c) ** (1 / k) for k, c in enumerate(higher[::-1], 1) if c]
+    return min(scales)
+
+
+def balls_from_rest(mu: Expr, point: Mapping[Expr, Expr], *, slope: Expr | None = None) -> BallFunction:
+    """Return a smooth coefficient, or its slope, as a function of balls, finite around v = 0 where it is there.
+
+    The coefficient is expanded only where its formula has no value at v = 0.
+    """
+    coefficient = ball_function(mu, symbols.v, point)
+    direct = coefficient if slope is None else ball_function(slope, symbols.v, point)
+    if not mu.has(symbols.v) or coefficient(acb(0), False).is_finite():
+        return direct
+    model = taylor_model(mu, point)
+    if model is None:
+        return direct
+    series = model if slope is None else model.derivative()
+
+    def of_balls(v: acb, analytic: bool) -> acb:
+        if not series.within(v):
+            return direct(v, analytic)
+        by_series, by_formula = series.ball(v, analytic), direct(v, analytic)
+        narrower = by_formula.is_finite() and by_formula.real.rad() < by_series.real.rad()
+        return by_formula if narrower else by_series
+
+    return of_balls
