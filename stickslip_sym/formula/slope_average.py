@@ -63,9 +63,15 @@ class SlopeAverage(TermSum):
             return exact_value(-symbols.N * at_belt, slope, point, digits)
         law = self.law.bind(**{name: point[s] for name, s in self.arguments.items() if name not in ("V", "N")})
         enclosure = enclose(law, self.criterion, V=point[symbols.V], N=point[symbols.N], digits=digits)
-        middle = (
-            enclosure.mid if enclosure.low * enclosure.high > 0 else Fraction(0)
-        )  # which 400 digits leave open
+        middle = enclosure.mid
+        if enclosure.low * enclosure.high <= 0:  # 0, or what 400 digits leave open
+            values = [float(point[symbol]) for symbol in self.arguments.values()]
+            if not enclosure.radius <= _ZERO * Fraction(float(self._unit(values)[0])):
+                raise NotConverged(
+                    f"the {self.criterion.name} criterion of {self.law.text} is not enclosed at "
+                    f"V = {float(point[symbols.V]):g}: all that is known is {enclosure}"
+                )
+            middle = Fraction(0)
         with mp.workdps(digits):
             return rounded(own_mpf(sp.Rational(middle.numerator, middle.denominator)), digits)
 

@@ -14,6 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, reduce
 from operator import add, mul
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -236,7 +237,10 @@ class _Expansion:
         if inner.low < 0:
             raise NotAnalytic("a function of what is infinite at rest")
         start, rest = (inner.polynomial[0], inner.without_first()) if inner.low == 0 else (arb(0), inner)
-        coefficients = _taylor(function.kind, start.mid().man_exp(), start.rad().man_exp(), self.count, ctx.prec)
+        if function.ball is None:
+            raise NotAnalytic(f"{function.kind.__name__} has no balls")
+        kind: Any = function.kind
+        coefficients = _taylor(kind, start.mid().man_exp(), start.rad().man_exp(), self.count, ctx.prec)
         farther = (_WIDER * rest.size).abs_upper()
         around = acb(start, 0) + acb(arb(0, farther), arb(0, farther))
         ball = acb("nan") if function.cut(around) else function.ball(around)
@@ -324,7 +328,7 @@ def _with_pole(expr: Expr, point: Mapping[Expr, Expr], bits: int) -> TaylorModel
 
 
 def poles(expr: Expr, point: Mapping[Expr, Expr]) -> dict[sp.Rational, arb]:
-    """Return the coefficients of the negative powers of v that a function has at rest; none where it has no series."""
+    """Return the coefficients of the negative powers of v of a function at rest; none where it has no series."""
     with working_precision(_BITS_OF_FLOATS):
         model = _with_pole(expr, point, _BITS_OF_FLOATS)
     if model is None or model.low >= 0:

@@ -13,6 +13,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations, pairwise
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -48,6 +49,7 @@ _EXACT = 2.0**-80  # of the largest coefficient: the last ones that are smaller 
 _NEGLIGIBLE = 2.0**-72  # of the moment of |g'|: a piece that need not be resolved
 _NOISE = 8  # times the radius of a ball around the slope: where the slope cancels no piece is resolved better
 _MOST_PIECES = 80  # in an octave: a value takes all of them, and a table takes thousands of values
+_MOST_WORK = 20_000  # pieces that all values may take, for each kink: some seconds; balls give single values then
 _OVERSHOOT = 4  # times the largest slope at the nodes of a piece, which no slope between them may exceed
 _QUARTERS = 5  # halvings of a piece for balls that bound its slope
 _ORDER = 8  # of a power series that bounds it, where terms cancel
@@ -118,6 +120,7 @@ class Values:
         self._order = min(order, _LARGEST_ORDER)
         self._pieces: dict[int, list[_Piece]] = {}
         self._resolved_pieces: dict[tuple[float, float], list[_Piece]] = {}
+        self._work = 0  # pieces that all values so far took
         self._left = 0  # pieces that an octave may still have
         self._close = max(_CLOSE, self._order)
         lowest = math.frexp(scales_of(profile, point)[0])[1]
@@ -160,6 +163,9 @@ class Values:
         pieces = self._pieces_up_to(innermost, 2 * r)
         count = max(bisect_right(pieces, 2 * r if polynomial else r, key=lambda piece: piece.high), 1)
         below, near = pieces[count - 1], [piece for piece in pieces[count:] if piece.low < 2 * r]
+        self._work += len(near)
+        if self._work > _MOST_WORK * (1 + len(self.kinks)):
+            raise Unresolved(f"{self.profile} is too narrow in too many places for a table")
         p = below.high / r
         total = below.average(p) * (arb(1) if polynomial else p.sqrt()) / r
         total += self._by_polynomials(near, r) if polynomial else self._by_roots(near, r)
@@ -499,7 +505,8 @@ def _positive_zeros(expr: Expr, point: Mapping[Expr, Expr]) -> list[float] | Non
     coefficients = sp.Poly(bound, symbols.v).all_coeffs()[::-1]
     if len(coefficients) > _HIGHEST or not all(c.is_Rational for c in coefficients):
         return None
-    pairs = fmpq_poly(list(map(rational, coefficients))).complex_roots() if len(coefficients) > 1 else []
+    polynomial = fmpq_poly(list(map(rational, coefficients)))
+    pairs: Any = polynomial.complex_roots() if polynomial.degree() > 0 else ()
     return [float(zero.real) for zero, _ in pairs if zero.imag == 0 and zero.real > 0]
 
 

@@ -1,0 +1,108 @@
+"""Laws whose terms are infinite alone and finite together: call, enclosure, quadrature and code say one thing."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from languages import values_of
+from sweeps import sweep
+
+import stickslip_sym as ss
+from stickslip_sym.criteria.enclosure import Enclosure
+from stickslip_sym.model.terms import terms_of
+
+EPS = np.finfo(float).eps
+FINITE_TOGETHER = {
+    "mu_k + d*(1 - exp(-v/w))*w/v": "at rest",
+    "mu_k + d*(sqrt(1 + v/w) - 1)*w/v": "at rest",
+    "mu_k + d*(exp(-v/w) - exp(-2*v/w))*w/v": "at rest",
+    "mu_k + d*(v/w)/(exp(v/w) - 1)": "one term",
+    "mu_k + d*log(1 + v/w)*w/v": "one term",
+    "d*(v/w)*(1 - exp(-w/v))": "far out",
+}
+
+
+def law_of(text, **values):
+    law = ss.FrictionLaw(text)
+    return law.bind(**{name: value for name, value in values.items() if name in law.parameters})
+
+
+@sweep(
+    ("text", "criterion"), [(text, name) for text in FINITE_TOGETHER for name in ("least_squares", "harmonic")],
+    ("mu_k + d*(1 - exp(-v/w))*w/v", "harmonic"), ("d*(v/w)*(1 - exp(-w/v))", "least_squares"),
+)  # fmt: skip
+@given(width=st.floats(-2, 1), ratio=st.floats(-9, 9))
+def test_call_enclosure_and_code_agree(text, criterion, width, ratio):
+    """Over 18 decades of V over the width, within 16 units of the larger of c and N <|mu'|>."""
+    law = law_of(text, mu_k=0.2, d=0.3, w=10.0**width)
+    average, V = ss.slope_average(law, criterion), 10.0 ** (width + ratio)
+    exact = float(ss.enclose(law, criterion, V=V, N=2.0, digits=17))
+    assert average(V=V, N=2.0) == pytest.approx(exact, rel=16 * EPS)
+    numbers = [{"V": V, "N": 2.0, "mu_k": 0.2, "d": 0.3, "w": 10.0**width}[name] for name in average.arguments]
+    (written,) = values_of("python", average.code("python"), [("damping", numbers)], None)
+    assert written == pytest.approx(exact, rel=16 * EPS)
+
+
+@pytest.mark.parametrize("text", FINITE_TOGETHER)
+def test_terms_that_cancel_are_one_and_the_sum_is_the_law(text):
+    law = ss.FrictionLaw(text)
+    varying = [term for term in law.terms if term.profile.has(ss.symbols.v)]
+    assert len(varying) == 1
+    point = {symbol: 0.3 + 0.2 * k for k, symbol in enumerate(sorted(law.expr.free_symbols, key=str))}
+    total = sum(term.expr.evalf(20, subs=point) for term in law.terms)
+    assert float(total - law.expr.evalf(20, subs=point)) == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("text", ["a/v + b*exp(-v)/v", "a/sqrt(v) + b*(exp(-v) - 1)/v", "a*v - b*v^2*exp(-1/v)"])
+def test_terms_that_do_not_cancel_are_parted(text):
+    assert len(terms_of(ss.FrictionLaw(text).expr)) == 2
+
+
+def test_quadrature_agrees_at_rest():
+    law = ss.FrictionLaw("0.3 + 0.1*(1 - exp(-v))/v")
+    exact = ss.enclose(law, V="0.5", N=1, digits=20)
+    assert float(ss.quadrature.damping(law, V="0.5", N=1, digits=20)) == pytest.approx(float(exact), rel=1e-15)
+
+
+def test_a_threshold_of_a_law_that_is_finite_at_rest():
+    law = ss.FrictionLaw("0.3 + 0.1*(1 - exp(-v))/v")
+    threshold = ss.pure_slip_damping(law, V=0.5, N=10, m=1, k=100)
+    assert threshold.value == pytest.approx(ss.slope_average(law, "harmonic")(V=0.5, N=10), rel=1e-3)
+
+
+# -- what was wrong, or refused in words that were not true ------------------------------------------
+
+
+def test_what_is_not_enclosed_is_no_zero():
+    law = "0.5*exp((v/0.1)^2)*erfc(v/0.1)"
+    assert ss.slope_average(law)(V=2, N=1) == pytest.approx(0.03744470781436335, rel=1e-14)
+
+
+def test_a_wide_enclosure_beyond_floats_is_shown():
+    assert str(Enclosure.of(-(10**400), 10**401)) == "[-1.00e+400, 1.00e+401]"
+    assert str(Enclosure.of(-1, 2)) == "[-1.00, 2.00]"
+
+
+@sweep(
+    ("criterion", "width"),
+    [("least_squares", 3e-10), ("harmonic", 3e-10), ("harmonic", 1e-7)],
+    ("harmonic", 3e-10),
+)
+@given(V=st.floats(0.2, 2.0))
+def test_a_narrow_peak_is_no_end_of_a_law(criterion, width, V):
+    law = f"0.5 + 0.1/(1 + ((v - 0.18)/{width})^2)"
+    exact = ss.enclose(law, criterion, V=V, N=1, digits=17)
+    assert ss.slope_average(law, criterion)(V=V, N=1) == pytest.approx(float(exact), rel=1e-13, abs=1e-30)
+
+
+def test_a_pole_of_even_order_is_an_end():
+    with pytest.raises(ss.InputError, match=r"ends at v = 0\.5"):
+        ss.slope_average("0.3 + 0.1/(v - 0.5)^2")(V=0.5, N=1)
+
+
+def test_a_logarithm_over_v_has_an_average():
+    law = law_of("mu_k + d*log(1 + v/v_0)*v_0/v", mu_k=0.2, d=0.3, v_0=0.4)
+    exact = float(ss.enclose(law, V=0.5, N=1, digits=17))
+    assert math.isclose(ss.slope_average(law)(V=0.5, N=1), exact, rel_tol=8 * EPS)
