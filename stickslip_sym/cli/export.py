@@ -76,7 +76,10 @@ def run(given: Given) -> None:
         "save": lambda: text_of(laws),
     }
     files.write_texts(
-        {path: write[kind]() if kind in write else ss.export_code(coded, kind) for kind, path in targets.items()}
+        {
+            path: write[kind]() if kind in write else ss.export_code(coded, kind, name=_name(kind, path))
+            for kind, path in targets.items()
+        }
     )
     for law, name, _ in missing:
         is_coded = code and law not in unbound
@@ -92,6 +95,11 @@ def run(given: Given) -> None:
         count = len(laws if kind == "save" else coded if kind in code else forms)
         word, more = ("law", "laws") if kind == "save" else ("criterion", "criteria")
         click.echo(f"{kind}: {count} {word if count == 1 else more} in {path}", err=streamed)
+
+
+def _name(kind: str, path: Path) -> str:
+    """Return the name of a function in a file: Octave finds it by that of the file."""
+    return path.stem if kind == "octave" and path.suffix == ".m" else "damping"
 
 
 def _laws(given: Given) -> list[ss.FrictionLaw]:

@@ -315,6 +315,11 @@ class ClosedForm(SlopeAverage):
 
         return certificate_of_forms([self])
 
+    @property
+    def described(self) -> str:
+        """What it is, of which law, and its formula, in lines for a comment."""
+        return f"{super().described}\nc = {printing.text(self.expr)}"
+
     def _repr_html_(self) -> str:
         where = f"{self.law.name or self.law.text}, {self.criterion.name}: damping coefficient in kg/s"
         return markup.block(where, markup.formula(f"\\displaystyle {self.latex()}"), str(self.verdict))

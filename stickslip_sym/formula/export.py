@@ -55,7 +55,7 @@ def _listed(items: Any, kind: Any, expected: str) -> list[Any]:
     return listed
 
 
-def export_code(forms: SlopeAverage | Sequence[SlopeAverage], language: str) -> str:
+def export_code(forms: SlopeAverage | Sequence[SlopeAverage], language: str, *, name: str = "damping") -> str:
     """Return text of a language: one form as ``damping``, several as ``damping_<law>_<criterion>``.
 
     The text holds the branches of a call and needs nothing of this package. It gives NaN where a call refuses.
@@ -64,7 +64,10 @@ def export_code(forms: SlopeAverage | Sequence[SlopeAverage], language: str) -> 
     ----------
     forms : SlopeAverage, such as a ClosedForm, or a sequence of them
     language : str
-        "python", "c" (C99 with libm), "octave" (MATLAB reads it too) or "javascript".
+        "python", "c" (C99 with libm), "octave" (MATLAB reads it too) or "javascript". Python and Octave take
+        arrays, and C has ``damping_array``.
+    name : str
+        The name of the function, for one form; in Octave it is that of its file.
 
     Returns
     -------
@@ -79,12 +82,16 @@ def export_code(forms: SlopeAverage | Sequence[SlopeAverage], language: str) -> 
     Examples
     --------
     >>> from stickslip_sym import derive
-    >>> export_code(derive("0.4 - 0.1*v"), "c").splitlines()[-2]
-    '    return checked(damping_term_0(a), a, "11", HUGE_VAL);'
+    >>> print(export_code(derive("0.4 - 0.1*v"), "c").split("value. */")[1].split("void")[0].strip())
+    double damping(double V, double N)
+    {
+        const double a[] = {V, N};
+        return checked(damping_term_0(a), a, "11", HUGE_VAL);
+    }
     """
     listed = _listed(forms, SlopeAverage, "closed forms or slope averages: derive(law), slope_average(law)")
     if len(listed) == 1:
-        return str(listed[0].code(language))
+        return writer.code({code_name(name): (listed[0], listed[0].described)}, language)
     laws = list(dict.fromkeys(form.law for form in listed))
     named: dict[str, tuple[SlopeAverage, str]] = {}
     for form in sorted(listed, key=lambda form: laws.index(form.law)):
@@ -92,8 +99,14 @@ def export_code(forms: SlopeAverage | Sequence[SlopeAverage], language: str) -> 
         name = f"damping_{label or f'law_{laws.index(form.law) + 1}'}_{form.criterion.label}"
         if name in named:
             raise InputError(f"two of the forms would both be called {name}; give the laws different names")
-        named[name] = form, repr(form)
+        named[name] = form, form.described
     return writer.code(named, language)
+
+
+def code_name(name: str) -> str:
+    """Return a name as that of a function in any language."""
+    label = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")
+    return label if label and not label[0].isdigit() else f"damping_{label}".rstrip("_")
 
 
 def export_latex(

@@ -291,7 +291,12 @@ class SlopeAverage(TermSum):
         InputError
             If there is no such language, or a profile has a shape without a value: bind it first.
         """
-        return writer.code({"damping": (self, repr(self))}, language)
+        return writer.code({"damping": (self, self.described)}, language)
+
+    @property
+    def described(self) -> str:
+        """What it is, and of which law, in lines for a comment."""
+        return f"{self!r}\nmu(v) = {self.law.text}"
 
     def __getstate__(self) -> dict[str, object]:
         # What is compiled cannot be pickled, and is made again when it is needed.

@@ -33,6 +33,7 @@ class Language:
     next_line: str = ",\n    "  # between numbers that stand on two lines
     next_row: str = ",\n    "  # between the rows of a table
     never: tuple[str, ...] = ()  # in a comment
+    elementwise: bool = False  # products and quotients of arrays have operators of their own
     main_first: bool = False  # the functions that are called from outside stand before what they use
 
     @cached_property
@@ -71,9 +72,10 @@ LANGUAGES = {
         "octave",
         "Octave or MATLAB.",
         _HERE / "octave.txt",
-        argument="a({})",
+        argument="a{{{}}}",
         first=1,
-        power="({})^({})",
+        power="({}).^({})",
+        elementwise=True,
         nan="NaN",
         infinity="Inf",
         extremes=("max", "min"),

@@ -84,7 +84,12 @@ def _settled(average: TermSum) -> tuple[list[TermFunction], set[Expr]]:
 
 def text_of(expr: Expr, names: Mapping[Expr, str], language: Language) -> str:
     """Return an expression in a language; a function that the language has not is refused."""
-    return str(_Printer(language, names).doprint(expr))
+    return _by_elements(str(_Printer(language, names).doprint(expr)), language)
+
+
+def _by_elements(text: str, language: Language) -> str:
+    """Return an expression with the operators of a language for arrays."""
+    return re.sub(r"(?<!\.)([*/^])", r".\1", text) if language.elementwise else text
 
 
 class _Printer(Printer):  # type: ignore[misc]  # SymPy is untyped
@@ -231,6 +236,8 @@ class _Writer:
                 name=name,
                 arguments=", ".join(arguments),
                 declared=", ".join(language.declared.format(argument) for argument in arguments),
+                arrays=", ".join(f"const double *{argument}" for argument in arguments),
+                elements=", ".join(f"{argument}[element]" for argument in arguments),
                 total=" + ".join(f"{key}(a)" for key in terms)
                 or f"0.0*{language.argument.format(language.first)}",
                 flags="".join("1" if symbol.is_nonnegative else "0" for symbol in free.values()),
@@ -298,4 +305,5 @@ class _Writer:
                 for function, coefficients in branch.parts
             )
         bounds = {"start": _number(start, language), "end": _number(end, language)}
+        z, g = (_by_elements(text, language) for text in (z, g))
         return self._filled("case", z=z, g=g, power=_number(branch.power, language), **bounds)
