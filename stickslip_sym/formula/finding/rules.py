@@ -21,8 +21,8 @@ from stickslip_sym.formula.finding.search import NothingFound
 from stickslip_sym.formula.proof.normal_form import is_integral_of_binomial
 from stickslip_sym.formula.proof.recurrence import AverageSeries, definition
 from stickslip_sym.formula.proof.theorems import By, PieceByPiece, ends_of_pieces, value_at
-from stickslip_sym.model.at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.expression.pieces import pieces_of
+from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.terms import grouped
 
 
