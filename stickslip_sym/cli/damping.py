@@ -31,7 +31,8 @@ def run(given: Given) -> None:
     """Print the pure-slip damping, the method that gave it, and its error.
 
     A value may carry a standard error, as in -p mu_s=0.50+/-0.02 or -V "0.50(1)"; then the standard error of the
-    damping and its budget are printed too. Several --point files give an answer each.
+    damping and its budget are printed too. Several --point files give an answer each. With V and N alone, an
+    average of the slope is printed, which needs no mass and no stiffness, and whose error is not known.
 
     Example: stickslip damping exponential -p alpha=3 -V 0.5 -N 9.81 -m 1 -k 100 --all
     """
@@ -41,7 +42,7 @@ def run(given: Given) -> None:
         raise InputError(
             f"a certificate is the script of a theorem: add --method proof, or leave out --certificate {script}"
         )
-    contents, texts, certificates, at_all = list[Json](), [], [], points(given, without=("c",))
+    contents, texts, certificates, at_all = list[Json](), [], [], points(given, without=_left_out(given, method))
     plot = given["plot"] if len(at_all) == 1 else None
     for at in at_all:
         given.all_used()
@@ -59,6 +60,10 @@ def run(given: Given) -> None:
             threshold = ss.pure_slip_damping(at.law, **at.texts, method=method, rtol=rtol, time_limit=limit)
             _ = threshold.uncertainty  # warns where the first order is not enough
         text = f"c = {threshold}"
+        if "m" not in at.texts:
+            text += (
+                "\nThis is an average over the belt's speed: give -m and -k for the threshold, which has an error."
+            )
         contents.append({"operating_point": at, "threshold": threshold})
         if script is not None:
             certificates += [theorem.certificate() for theorem in threshold.theorems]
@@ -68,6 +73,16 @@ def run(given: Given) -> None:
     if script is not None:
         write_text(script, "\n\n".join(certificates))
     echo_all(given, contents, texts)
+
+
+def _left_out(given: Given, method: str | None) -> tuple[str, ...]:
+    """Return the quantities that are not asked for: m and k too, where V and N are given and they are not.
+
+    A mass and a stiffness that nobody named would give a threshold, and an error, of another machine.
+    """
+    stated = [name for name in "VNmk" if given[name] is not None]
+    one_answer = method == "auto" and not given["point"] and given["plot"] is None
+    return ("c", "m", "k") if one_answer and stated == ["V", "N"] else ("c",)
 
 
 def _draw(path: Path, at: Point, threshold: Threshold) -> None:

@@ -64,6 +64,8 @@ TEXTS = [
     ("laws hyperbolic", r"\Ahyperbolic: mu\(v\) = mu_m \+ \(mu_s - mu_m\)/\(v/v_s \+ 1\)\n",
      r"^equilibrium, PROVED\n  c = ", r"^least_squares, PROVED\n  c = ", r"^harmonic, PROVED\n  c = "),
     # answers begin with the operating point
+    ("damping exponential -V 0.5 -N 9.81", r"V = 0\.5 m/s, N = 9\.81 N$",
+     r"^c = 2\.578531669 kg/s \(harmonic, relative error unknown, ESTIMATED\)$"),
     ("damping exponential -V 0.5", rf"\A{FORMULA}, N = 9.81 N \(default\), m = 1 kg \(default\)"),
     ("critical exponential --of c", rf"\A{FORMULA} \(default\), N = 9.81 N \(default\)"),
     ("simulate exponential", rf"\A{FORMULA} \(default\), .*, c = 0 kg/s \(default\)$"),
