@@ -294,7 +294,7 @@ class Study:
             remarks["time"] = "Thick lines are stick."
         if self.regime is not None and (self.regime.separatrices or not all(c.stable for c in self.regime.cycles)):
             remarks["phase"] = (
-                "A separatrix, or an unstable cycle, parts the initial conditions of different motions."
+                "A separatrix, or an unstable cycle, separates the initial conditions of different motions."
             )
         return remarks
 

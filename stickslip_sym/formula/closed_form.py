@@ -344,7 +344,7 @@ def derive(
     The law is split into terms, and the profile of each is averaged once: by rules first, by SymPy's integrator
     last, in a process that ends after a number of steps. Antiderivatives are proved by differentiation, harmonic
     averages and series by the differential equation that both sides satisfy. Every average is compared with
-    its definition at 12 seeded points over six decades.
+    its definition at 12 random points over six decades.
 
     Parameters
     ----------

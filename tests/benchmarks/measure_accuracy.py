@@ -2,7 +2,7 @@
 
 Run ``python tests/benchmarks/measure_accuracy.py [COUNT] [LAW ...]``.
 
-In units of epsilon N <|mu'|>, at seeded points whose criterion is computed with at least 70 digits. COUNT points
+In units of epsilon N <|mu'|>, at random points whose criterion is computed with at least 70 digits. COUNT points
 in each regime, 10000 if not given; laws whose special functions take milliseconds a value get fewer, as printed.
 """
 

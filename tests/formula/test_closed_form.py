@@ -31,7 +31,7 @@ def test_least_squares_is_the_paper_s(name, label):
     form = ss.derive(ss.laws.catalogue[name])
     assert prove_equal(form.expr, PRINTED[label]).status is ss.Status.PROVED
     assert form.verdict.status is ss.Status.PROVED
-    assert "digits at 12 seeded points" in form.verdict.evidence
+    assert "digits at 12 random points" in form.verdict.evidence
 
 
 @pytest.mark.parametrize("criterion", ss.criteria.catalogue)

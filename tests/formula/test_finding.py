@@ -257,5 +257,5 @@ def test_a_step_says_why_it_is_proved_or_not():
     form = ss.derive(ss.FrictionLaw("mu_0 - b*v*sqrt(v + w)"), "harmonic", search=False)
     assert form.verdict.status is ss.Status.CHECKED
     (why,) = [step.verdict.evidence for step in form.derivation.steps if step.verdict.status is ss.Status.CHECKED]
-    assert "digits at 12 seeded points; " in why
+    assert "digits at 12 random points; " in why
     assert "is not known to" in why

@@ -40,7 +40,7 @@ def test_a_closed_form_is_proved_agrees_with_the_definition_and_is_in_kg_per_s(n
     """Enclosed at three speeds; by quadrature, which takes longer, at one."""
     form = form_of(name, criterion)
     assert form.verdict.status is ss.Status.PROVED
-    assert form.expr == 0 or "digits at 12 seeded points" in form.verdict.evidence
+    assert form.expr == 0 or "digits at 12 random points" in form.verdict.evidence
     assert form.latex().startswith("c = ")
     assert repr(form) == f"ClosedForm: {name}, {criterion}, {form.verdict.status.value}"
     law = ss.laws.catalogue[name].typical()

@@ -32,7 +32,7 @@ KINDS = (
 
 
 def values(law, expr):
-    """An expression in v and the parameters of a law, to 30 digits at seeded points."""
+    """An expression in v and the parameters of a law, to 30 digits at random points."""
     rng = random.Random(str(law.expr))
     arguments = sorted(law.expr.free_symbols, key=str)
     function = function_of(arguments, expr, "mpmath")
@@ -42,7 +42,7 @@ def values(law, expr):
 
 
 def difference(law, terms):
-    """The law less the sum of terms, the largest at seeded points."""
+    """The law less the sum of terms, the largest at random points."""
     columns = [values(law, term.expr) for term in terms]
     with mpmath.workdps(40):
         rows = zip(values(law, law.expr), *columns, strict=True)

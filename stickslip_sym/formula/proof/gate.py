@@ -1,6 +1,6 @@
 """The gate: every closed form is compared with its definition before it is returned.
 
-At seeded points both sides are enclosed: the formula in ball arithmetic, the definition by integrals of the
+At random points both sides are enclosed: the formula in ball arithmetic, the definition by integrals of the
 profile with proved bounds, which know no antiderivative. A right formula overlaps; one off in the thirtieth digit
 does not.
 """
@@ -81,7 +81,7 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
         compared, enclosed = compared + 1, enclosed and surely and too
         if compared == GATE_POINTS or not closed.free_symbols:
             what = f"enclosures to {GATE_DIGITS}" if enclosed else f"quadrature to {_QUADRATURE_DIGITS - _LOST}"
-            return Verdict(Status.CHECKED, f"agrees with {what} digits at {GATE_POINTS} seeded points")
+            return Verdict(Status.CHECKED, f"agrees with {what} digits at {GATE_POINTS} random points")
     evidence = f"only {compared} of {_MOST_DRAWS} points could be compared with the definition"
     return Verdict(Status.ESTIMATED, evidence)
 

@@ -86,7 +86,7 @@ def prove_equal(lhs: Expr, rhs: Expr, by: By | None = None, checked: Verdict | N
     if agreed < _SAMPLES // 2:
         evidence = f"only {agreed} of {_SAMPLES} points say anything to {_DIGITS} digits; {obstacle}"
         return Verdict(Status.ESTIMATED, evidence)
-    where = f"{_SAMPLES} seeded points" if agreed == _SAMPLES else f"{agreed} of {_SAMPLES} seeded points"
+    where = f"{_SAMPLES} random points" if agreed == _SAMPLES else f"{agreed} of {_SAMPLES} random points"
     return Verdict(Status.CHECKED, f"equal to {_DIGITS} digits at {where}; {obstacle}")
 
 
@@ -98,8 +98,8 @@ def prove_positive(expr: Expr) -> Verdict:
     if verdict is not None:
         return verdict
     if positive < _SAMPLES:
-        return Verdict(Status.ESTIMATED, f"its sign is certain at {positive} of {_SAMPLES} seeded points only")
-    return Verdict(Status.CHECKED, f"positive at {_SAMPLES} seeded points; no proof was found")
+        return Verdict(Status.ESTIMATED, f"its sign is certain at {positive} of {_SAMPLES} random points only")
+    return Verdict(Status.CHECKED, f"positive at {_SAMPLES} random points; no proof was found")
 
 
 # -- exactly ---------------------------------------------------------------------------------------
@@ -133,7 +133,7 @@ def _conditions(node: Expr) -> list[Expr]:
 
 
 def _at_points(sides: tuple[Expr, ...], judge: Callable[..., str | bool]) -> tuple[Verdict | None, int, str]:
-    """Judge balls at seeded points; return a refutation, how many points agreed, what was in the way.
+    """Judge balls at random points; return a refutation, how many points agreed, what was in the way.
 
     `judge` says in words how the sides fail, or whether they surely hold.
     """

@@ -32,7 +32,7 @@ def interpolated(back: Dimensionless, slip: Slip[float], rtol: float) -> tuple[A
 
 @dataclass(frozen=True, repr=False)
 class Separatrix:
-    """A curve in the phase plane that parts two basins of attraction: a slip below the belt's speed.
+    """A curve in the phase plane that separates two basins of attraction: a slip below the belt's speed.
 
     Attributes
     ----------
