@@ -46,8 +46,8 @@ def require_shapes(law: FrictionLaw) -> None:
     missing = sorted(str(symbol) for symbol in shapes_of(law) if str(symbol) not in law.values)
     if missing:
         raise InputError(
-            f"{', '.join(missing)} of the law {law.name or law.text} has no value, and code is written for one value "
-            "of an exponent; give it first: ",
+            f"{', '.join(missing)} of the law {law.name or law.text} has no value, and code is written for "
+            "one value of an exponent; give it first: ",
             Values.of(missing[0]),
         )
 
