@@ -41,13 +41,15 @@ def certificate_of_derivation(derivation: Derivation) -> str:
     sides = [side for step in derivation.steps for side in (_left(step), step.statement.rhs)]
     functions = sorted({node.func for side in sides for node in side.atoms(AppliedUndef)}, key=str)
     page = _PAGE.read_text(encoding="utf-8").strip()
-    safe = SafeNames(" ".join(["sp left split vanishes solution", *map(str, functions)]), r"right_\d+")
+    safe = SafeNames(
+        " ".join(["sp left split vanishes solution check NotProved", *map(str, functions)]), r"right_\d+"
+    )
     images = [step.by.image for step in derivation.steps if isinstance(step.by, ChangeOfVariable)]
     symbols = sorted(set().union(*(side.atoms(sp.Symbol) for side in [*sides, *images])), key=str)
     names = {x: safe.new(x.name) for x in symbols}
     body = f"{page}\n\n\n" + "\n".join(_lines(derivation, functions, names))
     title = fill(f"A proof, step by step: {derivation.title}.", WIDTH - 10)
-    words = "Nothing but SymPy is needed. An AssertionError names the step that fails."
+    words = "Nothing but SymPy 1.13 or later is needed. NotProved names the step that fails, under python -O too."
     return f'"""{title}\n\n{words}\n"""\n\n{imports(body).lstrip()}\n\n{body}\n'
 
 
@@ -82,7 +84,7 @@ def _lines(derivation: Derivation, functions: Sequence[Expr], names: dict[Expr, 
         message = json.dumps(" ".join([f"step {number}", *([step.label] if step.label else [])]))
         yield assignment("left", text(_left(step)))
         if isinstance(step.statement, sp.Gt):
-            yield f"assert sp.factor(left).is_positive, {message}"
+            yield f"check(sp.factor(left).is_positive, {message})"
             continue
         if isinstance(step.by, ChangeOfVariable):
             old, new, image = (code(part, names) for part in (step.by.old, step.by.new, step.by.image))
@@ -95,7 +97,7 @@ def _lines(derivation: Derivation, functions: Sequence[Expr], names: dict[Expr, 
             solved = step.by
             yield f"left = left.subs(dict(zip([{unknowns}], solution, strict=True)), simultaneous=True)"
         yield assignment(right := f"right_{number}", text(step.statement.rhs))
-        yield f"assert vanishes(left - {right}), {message}"
+        yield f"check(vanishes(left - {right}), {message})"
         rights[code(step.statement.rhs, names)] = right
     yield ""
     yield line(f"print({json.dumps(f'proved: {derivation.title}')})")

@@ -76,7 +76,6 @@ def certificate_of_enclosure(
         pieces=pieces,
         body=Template(page[kind].rstrip()).substitute(fields),
         functions=script.functions,
-        shown=shown,
     )
     names = imported(text.split("import", 1)[1], ("acb", "arb", "arb_series", "ctx", "fmpq"))
     return Template(text).substitute(imports=names)

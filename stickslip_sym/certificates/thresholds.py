@@ -4,6 +4,7 @@ The page `thresholds.txt` follows the slip from P as `boxes` does, in one piece 
 operating point, both dampings, and what the theorem says of them in words are put in.
 """
 
+import math
 import textwrap
 from fractions import Fraction
 from pathlib import Path
@@ -41,7 +42,7 @@ def certificate_of_threshold(
     """
     law, page = point.law, sections(Path(__file__).with_suffix(".txt"))
     script = LawInFlint(law.bound, page["page"])
-    bits += _GUARD
+    bits += _GUARD + _widening(point, ends[1])
     with working_precision(bits):
         begins_analytic = _is_analytic_at_rest(point)
     is_level = law.static is None and begins_analytic
@@ -72,8 +73,18 @@ def certificate_of_threshold(
         number=number,
         fallen="" if begins_analytic else page["fallen"],
         rough="" if begins_analytic else "".join(f"{page[name].strip()}\n\n\n" for name in ("first", "falls")),
-        decisions="\n".join(f'assert {decision}, "{word}"' for decision, word in decided.items()),
+        decisions="\n".join(f'check({decision}, "{word}")' for decision, word in decided.items()),
+        least="for every c from 0 to " if is_undamped else "at c = ",
     )
+
+
+def _widening(point: ExactPoint, c: Fraction) -> int:
+    """Return how many bits boxes lose over one slip, about 2 pi long, where the script's field does not cancel.
+
+    Its damping and the falling friction, both of about the rate c/sqrt(k m), widen boxes by their sum.
+    """
+    rate = 2 * float(c) / math.sqrt(point.k * point.m)
+    return math.ceil(2 * math.pi * rate / math.log(2))
 
 
 def _is_analytic_at_rest(point: ExactPoint) -> bool:
