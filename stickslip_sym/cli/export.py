@@ -26,7 +26,7 @@ _KINDS = ("latex", *LANGUAGES, "certificate", "save")
     options.DESCRIPTION, options.criterion("all"),
     file_option("--latex", help="A LaTeX document."),
     *(file_option(f"--{name}", help=language.description) for name, language in LANGUAGES.items()),
-    file_option("--certificate", help="A proof in plain SymPy, which needs nothing of this package."),
+    file_option("--certificate", help="A proof in plain SymPy, or FILE.v in Coq."),
     file_option("--save", help="The laws, exact, for stickslip_sym.load."),
     option("--fragment", is_flag=True, help="LaTeX for \\input: without preamble."),
     option("--steps", is_flag=True, help="LaTeX with every step of the derivations."),
@@ -39,6 +39,7 @@ def run(given: Given) -> None:
     Example: stickslip export exponential polynomial --criterion all --latex criteria.tex --symbol V=v_b
     """
     from stickslip_sym.certificates.closed_forms import certificate_of_forms
+    from stickslip_sym.certificates.coq.writer import coq_script_of_one
     from stickslip_sym.model.files import text_of
     from stickslip_sym.output import files
 
@@ -70,9 +71,10 @@ def run(given: Given) -> None:
     ]
     if "certificate" in targets:
         style["certificate"] = targets["certificate"].name
+    in_coq = "certificate" in targets and targets["certificate"].suffix == ".v"
     write = {
         "latex": lambda: ss.export_latex(forms, missing=missing, **style),
-        "certificate": lambda: certificate_of_forms(forms),
+        "certificate": lambda: coq_script_of_one(forms) if in_coq else certificate_of_forms(forms),
         "save": lambda: text_of(laws),
     }
     files.write_texts(

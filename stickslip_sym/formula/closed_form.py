@@ -294,12 +294,28 @@ class ClosedForm(SlopeAverage):
         ]
         return ", ".join([f"{names['c']} = {printing.latex(self.expr, names)}", *conditions])
 
-    def certificate(self) -> str:
-        """Return a page in plain SymPy that proves this formula, and needs nothing of this package.
+    def certificate(self, language: str = "sympy") -> str:
+        """Return a proof of this formula that needs nothing of this package.
 
-        It has three parts: the statement (mu, w, c, the assumptions on parameters), the data of the proof, and a
-        checker, the same on every page, which trusts no line of the data. Of a formula that is CHECKED its first
-        line, and what it prints, say what it does not prove.
+        The page in plain SymPy has three parts: the statement (mu, w, c, the assumptions on parameters), the data
+        of the proof, and a checker, the same on every page, which trusts no line of the data. Of a formula that is
+        CHECKED its first line, and what it prints, say what it does not prove.
+
+        The script in Coq, 8.16 or later with Coquelicot 3.2, states mu(v), the kernel K(v) of (16) or of another
+        polynomial weight, and c, and proves that c is the integral of N mu(v) K(v) from 0 to 2 V, or that -c/N
+        is the derivative of mu at V, for all parameters of the stated signs. Its last lines print the theorem and
+        the axioms that it rests on, those of Coq's real numbers.
+
+        Parameters
+        ----------
+        language : str
+            "sympy" or "coq".
+
+        Raises
+        ------
+        InputError
+            If there is no such language, or the proof needs what the scripts of that language do not have; the
+            message names it.
 
         Examples
         --------
@@ -310,7 +326,15 @@ class ClosedForm(SlopeAverage):
         and c = -N int_-1^1 w(s) mu'(V (1 + s)) ds, w(s) = 5/8 - 5*s**4/8
         for all V, N, a, mu_s positive
         as V falls to 0, c tends to -N mu'(0) = N*a
+        >>> print(derive("mu_s - a*v").certificate("coq").splitlines()[-1])
+        Print Assumptions criterion.
         """
+        if language == "coq":
+            from stickslip_sym.certificates.coq.writer import coq_script
+
+            return coq_script(self)
+        if language != "sympy":
+            raise InputError(f"there is no certificate in {language!r}; give 'sympy' or 'coq'")
         from stickslip_sym.certificates.closed_forms import certificate_of_forms
 
         return certificate_of_forms([self])

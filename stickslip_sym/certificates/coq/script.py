@@ -1,0 +1,232 @@
+"""What scripts in Coq have in common: letters, lemmas of the library, tactics for equations between formulas."""
+
+import re
+import textwrap
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from string import Template
+
+import sympy as sp
+
+from stickslip_sym.certificates.coq.printer import NAMED, CoqPrinter, Names
+from stickslip_sym.certificates.coq.words import (
+    HYPERBOLIC,
+    Generators,
+    depth,
+    functions_of,
+    in_words,
+    roots_of,
+    square_free,
+)
+from stickslip_sym.certificates.python_printer import WIDTH
+from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr
+from stickslip_sym.formula.closed_form import ClosedForm
+
+
+def _parts(name: str) -> dict[str, str]:
+    """Return the parts of a file beside this one, each of which begins with a comment "# name", by their names."""
+    text = Path(__file__).with_name(name).read_text(encoding="utf-8")
+    return dict(re.findall(r"\(\*# (\w+) \*\)\n(.*?)(?=\(\*# |\Z)", text, re.DOTALL))
+
+
+LIBRARY, TEMPLATE = _parts("library.v"), _parts("template.v")
+
+_MADE = r"(?:Lemma|Definition|Ltac|Instance) (\w+)"
+_ALWAYS = ("tactics",)
+_WORDS_OF = {"hyperbolic": ("tanh", "sinh", "cosh"), "bounds": ("scaled",)}
+"""What stands in a script that needs a part of the library, if it is not the name of the part."""
+
+_VALUES = {"exp": "0", "ln": "1", "atan": "0", "arcsinh": "0", "erf": "0", "sqrt": "1", "power": "0"}
+_VALUES |= {"lower_gamma": "0", "sin": "0", "cos": "0"}
+"""Arguments at which the library, or Coq's own, has a lemma on the value of a function."""
+
+_BY_EXPONENTIALS = ("Rpower", "power", "erf", "lower_gamma")
+"""Functions that are unfolded to exponentials, or whose derivatives hold one."""
+
+
+class Script:
+    """The letters and the texts of a script on a closed form."""
+
+    def __init__(self, form: ClosedForm) -> None:
+        self.form = form if form.general is None else form.general
+        self.title = f"{form.criterion.name.replace('_', ' ')}: mu(v) = {self.form.law.text}"
+        if form.general is not None:
+            values = ", ".join(f"{letter} = {value}" for letter, value in form.meanings.items())
+            self.title += f"\n   Here {values}, in the law {form.law.text}"
+        self.v = sp.Symbol("v", positive=True)
+        self.letters = sorted(self.form.law.expr.free_symbols - {symbols.v}, key=str)
+        made = re.findall(_MADE, "\n".join(LIBRARY.values()))
+        self._safe = Names(" ".join([*TEMPLATE.values(), *made, *NAMED.values(), *_VALUES, "R PI Rmin Rmax"]))
+        self.names: dict[Expr, str] = {self.v: "v", symbols.V: "V", symbols.N: "N"}
+        for letter in self.letters:
+            self.name(letter)
+
+    # -- texts ---------------------------------------------------------------------------------------
+
+    def name(self, letter: Expr) -> str:
+        """Return the name of a letter, the same each time."""
+        if letter not in self.names:
+            self.names[letter] = self._safe.new(letter.name)
+        return self.names[letter]
+
+    @property
+    def printer(self) -> CoqPrinter:
+        """A printer with the names of all letters so far."""
+        return CoqPrinter(self.names)
+
+    def code(self, expr: Expr) -> str:
+        """Return an expression in Coq."""
+        return str(self.printer.doprint(expr))
+
+    def whole(self, expr: Expr) -> str:
+        """Return an expression in Coq as an argument."""
+        return self.printer.whole(expr)
+
+    def part(self, name: str, **values: object) -> str:
+        """Return a part of the template with its values."""
+        return Template(TEMPLATE[name]).substitute(values)
+
+    def words(self, expr: Expr, speed: Expr) -> Expr:
+        """Return an expression of the package in the words of a script, with another letter for the slip speed."""
+        return in_words(sp.sympify(expr).xreplace({symbols.v: speed}), speed)
+
+    def hypotheses(
+        self, letters: Iterable[Expr], excluded: Iterable[Expr], relations: Iterable[Expr] = (), label: str = ""
+    ) -> str:
+        """Return what is assumed of letters: their signs, relations, and that no denominator vanishes."""
+        lines = list[str]()
+        for letter in letters:
+            if letter.is_nonnegative:
+                sign = "<" if letter.is_positive else "<="
+                lines.append(f"Hypothesis {self.name(letter)}_sign : 0 {sign} {self.name(letter)}.")
+        for i, relation in enumerate(relations):
+            lines.append(
+                f"Hypothesis relation{label}{i} : {self.whole(relation.lts)} < {self.whole(relation.gts)}."
+            )
+        lines += [f"Hypothesis excluded{label}{i} : {self.code(expr)} <> 0." for i, expr in enumerate(excluded)]
+        return "\n".join(lines)
+
+    def law(self, mu: Expr, c: Expr, excluded: Iterable[Expr], kernel: str = "") -> str:
+        """Return the statement: letters, what is assumed of them, the law and the closed form."""
+        letters = [symbols.N, symbols.V, *self.letters]
+        hypotheses = self.hypotheses(letters, excluded, self.form.conditions)
+        names = " ".join(map(self.name, letters))
+        return self.part(
+            "law", kernel=kernel, letters=names, hypotheses=hypotheses, mu=self.code(mu), c=self.code(c)
+        )
+
+    def assembled(self, law: str, proof: str) -> str:
+        """Return a script with those parts of the library that it needs."""
+        text, needed = law + proof, list[str]()
+        for name, lemmas in reversed(LIBRARY.items()):  # each needs those before it only
+            words = {*_WORDS_OF.get(name, (name,)), *re.findall(_MADE, lemmas)}
+            if name in _ALWAYS or words & set(re.findall(r"\w+", text)):
+                needed.insert(0, name)
+                text = lemmas + text
+        library = "\n".join(_kept(LIBRARY[name], needed).rstrip() for name in needed)
+        head = self.part("head", title=_in_comment(self.title), library=library)
+        return "\n".join(map(_wrapped, (head + law + proof + TEMPLATE["end"]).splitlines())) + "\n"
+
+    # -- equations -----------------------------------------------------------------------------------
+
+    def equation(
+        self, generators: Generators, *exprs: Expr, values: bool = True, moves: Iterable[str] = ()
+    ) -> str:
+        """Return tactics that prove an equation between formulas in which these expressions stand.
+
+        Functions are written in the generators first, then take their values at 0 and 1, and equal ones are given
+        one text; `field` does the rest. `moves` come before all that.
+        """
+        written = [generators.of(expr) for expr in exprs]
+        facts, using = self.facts(roots_of(*written))
+        tactics = [*moves, *self.rewritten(generators, *exprs)]
+        if values:
+            tactics += self.valued(*written)
+        return f"{facts}{'; '.join([*tactics, *self.unified(*written), f'field{using}'])}; positive."
+
+    def facts(self, roots: Sequence[Expr]) -> tuple[str, str]:
+        """Return tactics that state root * root = radicand, and how `field` is to use it."""
+        facts = ""
+        for i, root in enumerate(roots):
+            y = self.whole(root.args[0])
+            facts += f"assert (square{i} : sqrt {y} * sqrt {y} = {y}) by square_of_root. "
+        return facts, f" [{' '.join(f'square{i}' for i in range(len(roots)))}]" if roots else ""
+
+    def rewritten(self, generators: Generators, *exprs: Expr) -> Iterator[str]:
+        """Yield tactics that write functions of formulas in the generators."""
+        if any(isinstance(node, HYPERBOLIC) for expr in exprs for node in sp.preorder_traversal(expr)):
+            yield "rewrite ?tanh_is, ?cosh_is, ?sinh_is"
+        yield from self.one_roots(square_free(root.args[0]) for root in roots_of(*exprs))
+        for node in sorted(generators.exponentials(exprs), key=sp.default_sort_key):
+            written = generators.of(node)
+            if written != sp.Function("exp")(node.args[0]):
+                yield f"exponential {self.whole(generators.argument(node))} {self.whole(written)}"
+
+    def one_roots(self, roots: Iterable[tuple[Expr, Expr]]) -> Iterator[str]:
+        """Yield tactics that write roots by those of radicands without squares, each with its divisor."""
+        for radicand, divisor in sorted(set(roots), key=str):
+            yield f"one_root {self.whole(radicand)} {self.whole(divisor)}"
+
+    def valued(self, *exprs: Expr) -> Iterator[str]:
+        """Yield tactics for the values of functions at 0 and 1."""
+        for head in self.heads(*exprs):
+            name = head.strip("()").split()[0]
+            if name in _VALUES:
+                yield f"at_value {head} {_VALUES[name]}"
+                yield f"rewrite ?{name}_{_VALUES[name]}"
+            if name == "atan":
+                yield "rewrite ?atan_1"
+                if any(expr.has(sp.Function("sqrt")(3)) for expr in exprs):
+                    yield "at_value atan (sqrt 3 / 3)"
+                    yield "rewrite ?atan_sixth"
+
+    def unified(self, *exprs: Expr) -> Iterator[str]:
+        """Yield tactics that give equal arguments of a function one text."""
+        if has_powers(*exprs):
+            yield "split_powers"
+        for head in self.heads(*exprs):
+            yield f"same {head}"
+
+    def heads(self, *exprs: Expr) -> list[str]:
+        """Return the functions of formulas as they stand before their last argument, inner ones first.
+
+        A function that stands both within another and around it comes twice.
+        """
+        levels = dict[int, set[str]]()
+        for node in functions_of(*exprs):
+            level, name, head = depth(node), node.func.__name__, self.printer.head(node)
+            levels.setdefault(level, set()).add("ln" if name == "Rpower" else f"({head})" if " " in head else head)
+            if name in _BY_EXPONENTIALS:
+                levels.setdefault(level + 1, set()).add("exp")
+            if name == "lower_gamma":
+                levels[level].add(f"(power {self.whole(node.args[1])})")
+        return [head for level in sorted(levels) for head in sorted(levels[level])]
+
+
+def has_powers(*exprs: Expr) -> bool:
+    """Tell whether there are powers whose exponents are no whole numbers."""
+    return any(node.func.__name__ in ("power", "Rpower") for node in functions_of(*exprs))
+
+
+def unfolded(*exprs: Expr) -> str:
+    """Return what else is unfolded where these expressions stand."""
+    return ", Rpower" if any(node.func.__name__ == "Rpower" for node in functions_of(*exprs)) else ""
+
+
+def _kept(lemmas: str, needed: Sequence[str]) -> str:
+    """Return lemmas without the lines for parts of the library that a script does not need: (*? powers *)."""
+    lines = [line.partition("  (*? ") for line in lemmas.splitlines()]
+    return "\n".join(line for line, _, part in lines if not part or part.removesuffix(" *)") in needed)
+
+
+def _wrapped(line: str) -> str:
+    """Return a line as several where it is long."""
+    indent = " " * (len(line) - len(line.lstrip()) + 2)
+    lines = textwrap.wrap(line, WIDTH, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+    return "\n".join(lines)
+
+
+def _in_comment(text: str) -> str:
+    """Return text that may stand in a comment of Coq."""
+    return text.replace('"', "'").replace("(*", "( *").replace("*)", "* )")

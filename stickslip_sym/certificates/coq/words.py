@@ -1,0 +1,277 @@
+"""Formulas in the words of a script in Coq, and in the generators that its tactic `field` can tell apart.
+
+`field` proves equations of rational functions. It takes every other function for a letter of its own, so equal
+values need equal text: exponents are split into monomials, of which each has one step, and roots have radicands
+without squares.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from math import gcd
+
+import sympy as sp
+
+from stickslip_sym.certificates.coq.printer import MADE, Unsupported
+from stickslip_sym.core.aliases import Expr
+
+_HALF = sp.Rational(1, 2)
+HYPERBOLIC = (sp.tanh, sp.sinh, sp.cosh, sp.coth, sp.sech, sp.csch)
+
+
+def call(name: str, *arguments: Expr) -> Expr:
+    """Return a function by its name in Coq."""
+    return sp.Function(name)(*arguments)
+
+
+def exponential(argument: Expr) -> Expr:
+    """Return an exponential that SymPy leaves as it is."""
+    return call("exp", argument)
+
+
+# -- the words of a script ---------------------------------------------------------------------------
+
+
+def in_words(expr: Expr, speed: Expr) -> Expr:
+    """Write powers and special functions as a script has them; those of the speed that vanish at rest apart."""
+    expr = expr.replace(sp.im, _inverse_tangent_integral)
+    if expr.has(sp.Catalan):
+        expr = expr.subs(sp.Catalan, call("Ti2", sp.S.One))
+    if expr.has(sp.polylog, sp.zeta, sp.dirichlet_eta):
+        expr = _in_polylogs(expr)
+    expr = expr.replace(sp.lowergamma, _lower_gamma)
+    return without_squares(expr.replace(is_power, lambda node: _power(node, speed)))
+
+
+def without_squares(expr: Expr) -> Expr:
+    """Write whole powers of a square root by the root itself at most."""
+    root = sp.Function("sqrt")
+
+    def is_square(node: Expr) -> bool:
+        return bool(node.is_Pow and isinstance(node.base, root) and node.exp.is_Integer and node.exp not in (0, 1))
+
+    return expr.replace(is_square, lambda node: node.base.args[0] ** (node.exp // 2) * node.base ** (node.exp % 2))
+
+
+def is_power(node: Expr) -> bool:
+    """Tell whether a node is a power whose exponent is no whole number."""
+    return bool(node.is_Pow and node.base is not sp.E and not node.exp.is_Integer)
+
+
+def _inverse_tangent_integral(argument: Expr) -> Expr:
+    """Write im(polylog(k, I*y)), of which the first is atan(y)."""
+    if not isinstance(argument, sp.polylog) or not argument.args[0].is_Integer:
+        raise Unsupported(f"a script in Coq has no im({argument})")
+    order, y = argument.args[0], sp.expand(argument.args[1] / sp.I)
+    return sp.atan(y) if order == 1 else call(f"Ti{order}", y)
+
+
+def _in_polylogs(expr: Expr) -> Expr:
+    """Write pi^2, zeta(3) and pi^4 by the polylogarithms at -1 that they are values of."""
+    at = [call(f"polylog{order}", sp.S.NegativeOne) for order in (2, 3, 4)]
+    values = {
+        sp.pi**2: -12 * at[0],
+        sp.zeta(3): -4 * at[1] / 3,
+        sp.dirichlet_eta(3): -at[1],
+        sp.pi**4: -720 * at[2] / 7,
+    }
+    others = (sp.polylog, sp.zeta, sp.log, sp.erf)
+    expr = expr.replace(lambda node: node.is_Mul and node.has(sp.pi**2) and not node.has(*others), sp.expand)
+    expr = expr.xreplace(values)
+    return expr.replace(sp.polylog, _polylog)
+
+
+def _polylog(order: Expr, argument: Expr) -> Expr:
+    if order not in (1, 2, 3, 4):
+        raise Unsupported(f"a script in Coq has no polylogarithm of order {order}")
+    return call(f"polylog{order}", argument)
+
+
+def _lower_gamma(order: Expr, z: Expr) -> Expr:
+    """Write gamma(k/p, y^p)."""
+    k, p = order.as_numer_denom()
+    if not (k.is_Integer and k > 0):
+        raise Unsupported(f"a script in Coq has no lower incomplete gamma function of order {order}")
+    return call("lower_gamma", k, p, sp.powdenest(z ** (1 / p), force=True))
+
+
+def _power(node: Expr, speed: Expr) -> Expr:
+    """Write a power by a whole power of the base and a root, or by x^p of Coq."""
+    base, p = node.args
+    if isinstance(base, sp.Function) and base.func.__name__ in MADE:
+        return node
+    whole = sp.floor(p) if p.is_Rational else p.as_coeff_Add()[0]
+    if not whole.is_Integer:
+        whole = sp.S.Zero
+    if p - whole == _HALF:
+        return base**whole * call("sqrt", base)
+    at_rest = base.has(speed) and base.subs(speed, 0) == 0
+    return base**whole * call(*(("power", p - whole, base) if at_rest else ("Rpower", base, p - whole)))
+
+
+# -- generators that `field` can tell apart ----------------------------------------------------------
+
+
+class Generators:
+    """The exponentials of some formulas, each a power of that of one step of its monomial."""
+
+    def __init__(self, exprs: Iterable[Expr]) -> None:
+        self.steps: dict[Expr, Expr] = {}
+        for expr in exprs:
+            for node in _by_exponentials(expr).atoms(sp.exp):
+                for rate, monomial in monomials(without_squares(_by_roots(node.exp))):
+                    known = self.steps.get(monomial)
+                    self.steps[monomial] = rate if known is None else sp.sign(known) * _common(known, rate)
+
+    def exponentials(self, exprs: Iterable[Expr]) -> set[Expr]:
+        """Return the exponentials of formulas once hyperbolic functions are written by them."""
+        return {node for expr in exprs for node in _by_exponentials(expr).atoms(sp.exp)}
+
+    def argument(self, node: Expr) -> Expr:
+        """Return the argument of an exponential as `of` would leave it."""
+        return without_squares(_by_roots(node.args[0]))
+
+    def of(self, expr: Expr) -> Expr:
+        """Write a formula in these exponentials, in roots without squares, and without hyperbolic functions."""
+        expr = _by_exponentials(expr)
+        return without_squares(_by_roots(expr).replace(sp.exp, self._powers))
+
+    def _powers(self, argument: Expr) -> Expr:
+        """Write an exponential as a product of whole powers of those of its steps."""
+        parts = [
+            (exponential(self.steps[m] * m), rate / self.steps[m])
+            for rate, m in monomials(without_squares(argument))
+        ]
+        return sp.Mul(*[base**power for base, power in parts])
+
+
+def _by_exponentials(expr: Expr) -> Expr:
+    """Write hyperbolic functions by exponentials that do not grow."""
+    expr = expr.replace(sp.tanh, lambda u: (1 - sp.exp(-2 * u)) / (1 + sp.exp(-2 * u)))
+    expr = expr.replace(sp.coth, lambda u: (1 + sp.exp(-2 * u)) / (1 - sp.exp(-2 * u)))
+    expr = expr.replace(sp.sech, lambda u: 2 * sp.exp(-u) / (1 + sp.exp(-2 * u)))
+    expr = expr.replace(sp.csch, lambda u: 2 * sp.exp(-u) / (1 - sp.exp(-2 * u)))
+    expr = expr.replace(sp.cosh, lambda u: (1 + sp.exp(-2 * u)) / (2 * sp.exp(-u)))
+    return expr.replace(sp.sinh, lambda u: (1 - sp.exp(-2 * u)) / (2 * sp.exp(-u)))
+
+
+def _by_roots(expr: Expr) -> Expr:
+    """Write each square root by that of a polynomial without squares."""
+
+    def root(inside: Expr) -> Expr:
+        radicand, divisor = square_free(inside)
+        return call("sqrt", radicand) / divisor
+
+    return expr.replace(sp.Function("sqrt"), root)
+
+
+def _common(first: Expr, second: Expr) -> Expr:
+    """Return the largest rational number of which both are whole multiples."""
+    return sp.Rational(gcd(first.p * second.q, second.p * first.q), first.q * second.q)
+
+
+def monomials(expr: Expr) -> Iterator[tuple[Expr, Expr]]:
+    """Yield the rational factor of each term of a sum, and the rest of it."""
+    for term in sp.Add.make_args(sp.expand(expr)):
+        if term != 0:
+            yield term.as_coeff_Mul(rational=True)
+
+
+def square_free(inside: Expr) -> tuple[Expr, Expr]:
+    """Return a radicand without squares, and a divisor: the root is that of the radicand, divided by it."""
+    above, below = sp.fraction(sp.together(inside))
+    front, radicand = sp.S.One, sp.S.One
+    for factor, power in _factors(above * below):
+        front, radicand = front * factor ** (power // 2), radicand * factor ** (power % 2)
+    return sp.expand(radicand), below / front
+
+
+def _factors(expr: Expr) -> list[tuple[Expr, int]]:
+    constant, factors = sp.factor_list(expr)
+    numbers = [(constant, 1)]
+    if constant.is_Integer:
+        numbers = [(number, power) for number, power in sp.factorint(constant).items() if number != 1]
+    return [*numbers, *factors]
+
+
+# -- what stands in a formula ------------------------------------------------------------------------
+
+
+def functions_of(*exprs: Expr) -> list[Expr]:
+    """Return the functions of formulas, inner ones first."""
+    nodes = {node for expr in exprs for node in sp.preorder_traversal(expr) if isinstance(node, sp.Function)}
+    nodes = {node for node in nodes if not isinstance(node, sp.Min | sp.Max | sp.Piecewise)}
+    return sorted(nodes, key=lambda node: (len(node.atoms(sp.Function)), str(node)))
+
+
+def roots_of(*exprs: Expr) -> list[Expr]:
+    """Return the square roots of formulas, in order."""
+    return [node for node in functions_of(*exprs) if node.func.__name__ == "sqrt"]
+
+
+def denominators(*exprs: Expr, without: Sequence[Expr] = ()) -> list[Expr]:
+    """Return the factors of denominators that have no known sign: a formula excludes their zeros.
+
+    Those with a letter of `without` are left out: they are the slip speed's, which the proof looks after.
+    """
+    factors = set[Expr]()
+    for node in {node for expr in exprs for node in expr.atoms(sp.Pow)}:
+        if node.exp.is_Integer and node.exp.is_negative:
+            try:
+                factors |= {factor for factor, _ in sp.factor_list(node.base)[1]}
+            except sp.PolynomialError:
+                factors.add(node.base)
+    unknown = {factor for factor in factors if not (factor.is_positive or factor.is_negative)}
+    return sorted((factor for factor in unknown if not factor.has(sp.Function, *without)), key=str)
+
+
+def bounds_of(*exprs: Expr) -> set[Expr]:
+    """Return what is the smaller or the larger of others."""
+    return {node for expr in exprs for node in expr.atoms(sp.Min, sp.Max)}
+
+
+def in_units_of_range(bound: Expr, speed: Expr) -> tuple[Expr, Expr] | None:
+    """Return a factor and the smaller of 2 V and others, whose product a bound is; None without such a form."""
+    moving = [argument for argument in bound.args if argument.has(speed)]
+    if not isinstance(bound, sp.Min) or len(moving) != 1:
+        return None
+    factor = sp.simplify(moving[0] / (2 * speed))
+    if factor.has(speed) or not factor.is_positive:
+        return None
+    return factor, sp.Min(*(_over(argument, factor) for argument in bound.args))
+
+
+def _over(expr: Expr, factor: Expr) -> Expr:
+    if isinstance(expr, sp.Min | sp.Max):
+        return expr.func(*(_over(argument, factor) for argument in expr.args))
+    return sp.simplify(expr / factor)
+
+
+def place_of(relation: Expr, speed: Expr) -> Expr:
+    """Return the place of a condition speed < place, or speed <= place, which SymPy may turn round, or scale."""
+    difference = sp.expand(relation.lts - relation.gts)
+    rate = difference.coeff(speed)
+    place = sp.simplify(speed - difference / rate) if rate.is_positive else speed
+    if place.has(speed):
+        raise Unsupported(f"a script in Coq has pieces for v < place, and none for {relation}")
+    return place
+
+
+def by_places(expr: Expr, speed: Expr) -> Expr:
+    """Write the conditions of pieces as speed < place."""
+    conditions = [node for node in expr.atoms(sp.core.relational.Relational) if node.has(speed)]
+    return expr.xreplace({node: _ordered(node, speed) for node in conditions})
+
+
+def _ordered(relation: Expr, speed: Expr) -> Expr:
+    kind = sp.StrictLessThan if isinstance(relation, sp.StrictLessThan | sp.StrictGreaterThan) else sp.LessThan
+    return kind(speed, place_of(relation, speed), evaluate=False)
+
+
+def places_of(expr: Expr, speed: Expr) -> list[Expr]:
+    """Return the places of the pieces of an expression."""
+    conditions = {holds for node in expr.atoms(sp.Piecewise) for _, holds in node.args if holds != sp.true}
+    return sorted({place_of(holds, speed) for holds in conditions}, key=str)
+
+
+def depth(node: Expr) -> int:
+    """Return how many functions stand one within another."""
+    return max(map(depth, node.args), default=0) + isinstance(node, sp.Function)

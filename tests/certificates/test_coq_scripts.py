@@ -1,0 +1,150 @@
+"""A closed form leaves as a script that the proof assistant Coq accepts, and refuses once a digit is changed."""
+
+import random
+import re
+import shutil
+import subprocess
+
+import commands
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import stickslip_sym as ss
+from stickslip_sym.core.errors import InputError
+
+needs_coq = pytest.mark.skipif(shutil.which("coqc") is None, reason="no coqc here")
+LONGEST = 600  # seconds that a script may take on a machine with much else to do
+AXIOMS = {"ClassicalDedekindReals.sig_not_dec", "ClassicalDedekindReals.sig_forall_dec",
+          "FunctionalExtensionality.functional_extensionality_dep", "Classical_Prop.classic",
+          "Eqdep.Eq_rect_eq.eq_rect_eq"}  # fmt: skip
+"""Those of Coq's real numbers and of Coquelicot."""
+CATALOGUE = [(name, criterion) for name in ss.laws for criterion in ("equilibrium", "least_squares")]
+WITHOUT_FORM = {("andersson", "least_squares")}
+SHORT = [("exponential", "least_squares"), ("tanh", "equilibrium")]
+KINKED = "0.2 + (mu_s - 0.2)*Max(0, 1 - v/v_1)"
+
+
+def compiled(script, folder):
+    """Return whether Coq accepts a script, and what it prints."""
+    file = folder / "proof.v"
+    file.write_text(script, encoding="utf-8")
+    done = subprocess.run(["coqc", "-q", file.name], cwd=folder, capture_output=True, text=True, timeout=LONGEST)
+    return done.returncode == 0, done.stdout + done.stderr
+
+
+def script_of(law, criterion="least_squares"):
+    return ss.derive(law, criterion).certificate("coq")
+
+
+def changed(script, name, rng):
+    """Return a script with another digit in the definition that begins with a name."""
+    start = re.search(rf"^Definition {name}\b[^=]*:=", script, re.MULTILINE).end()
+    body = script[start : script.index(".\n", start)]
+    place = rng.choice([found.start() for found in re.finditer(r"(?<![\w.])\d", body)]) + start
+    digit = str(int(script[place]) % 9 + 1)
+    return script[:place] + digit + script[place + 1 :]
+
+
+def proves(script, folder):
+    """Whether Coq accepts a script that rests on nothing but the axioms of the real numbers."""
+    accepted, printed = compiled(script, folder)
+    assert accepted, printed
+    assert "Admitted" not in script
+    assert "Axiom" not in script
+    axioms = re.findall(r"^([\w.]+) *:", printed.split("Axioms:")[1], re.MULTILINE)
+    assert axioms
+    assert set(axioms) <= AXIOMS
+    return printed
+
+
+@needs_coq
+@pytest.mark.parametrize(("law", "criterion"), [*SHORT, (KINKED, "least_squares")])
+def test_coq_accepts_a_closed_form(law, criterion, tmp_path):
+    printed = proves(script_of(law, criterion), tmp_path)
+    stated = "is_derive (mu" if criterion == "equilibrium" else "is_RInt (fun v : R => N * mu"
+    assert stated in " ".join(printed.split())
+
+
+@needs_coq
+@pytest.mark.thorough
+@pytest.mark.parametrize(("law", "criterion"), sorted(set(CATALOGUE) - set(SHORT) - WITHOUT_FORM))
+def test_coq_accepts_every_law_of_the_catalogue(law, criterion, tmp_path):
+    proves(script_of(law, criterion), tmp_path)
+
+
+@needs_coq
+@pytest.mark.parametrize("name", ["c", pytest.param("mu", marks=pytest.mark.thorough),
+                                  pytest.param("K", marks=pytest.mark.thorough),
+                                  pytest.param("A1_0", marks=pytest.mark.thorough)])  # fmt: skip
+def test_coq_refuses_a_changed_digit(name, tmp_path):
+    script, rng = script_of("gaussian"), random.Random(51)
+    accepted, _ = compiled(changed(script, name if name != "mu" else "g1", rng), tmp_path)
+    assert not accepted
+
+
+def test_a_law_is_stated_in_its_own_words():
+    script = script_of("tanh")
+    assert "Definition mu (v : R) : R := mu_s - (mu_s - mu_m) * tanh (v / v_s)." in script
+    assert "Definition K (V v : R) : R := 5 * (V - v)^3 / (2 * V^5)." in script
+
+
+def test_a_script_takes_of_the_library_what_it_needs():
+    assert "polylog" not in script_of("exponential")
+    assert "Lemma derive_polylog4" in script_of("tanh")
+
+
+def test_letters_that_mean_something_in_coq_get_other_names():
+    script = script_of("mu_0*exp(-fun*v/K) + R*u*v^2 + end_1*v*r")
+    letters = re.search(r"^Variables N V (.*) : R\.$", script, re.MULTILINE)[1].split()
+    assert not {"fun", "K", "R"} & set(letters)
+    assert len(set(letters)) == 7
+
+
+@pytest.mark.parametrize(
+    ("law", "criterion", "words"),
+    [
+        ("exponential", "harmonic", "weights that are polynomials"),
+        ("0.3/(1+v) + 0.1*exp(-v)/(1+v)", "least_squares", "expint"),
+    ],
+)
+def test_what_the_scripts_do_not_have_is_refused_by_its_name(law, criterion, words):
+    with pytest.raises(InputError, match=words):
+        script_of(law, criterion)
+
+
+def test_there_are_two_languages():
+    with pytest.raises(InputError, match="no certificate in 'isabelle'; give 'sympy' or 'coq'"):
+        ss.derive("linear").certificate("isabelle")
+
+
+def test_the_command_writes_a_file_in_coq(tmp_path):
+    target = tmp_path / "linear.v"
+    done = commands.inside("export", "linear", "--criterion", "least_squares", "--certificate", str(target))
+    assert done.returncode == 0, done.stderr
+    assert target.read_text(encoding="utf-8") == script_of("linear")
+    done = commands.inside("export", "linear", "--certificate", str(target))
+    assert done.returncode == 2
+    assert "one proof" in done.stderr
+
+
+_NUMBERS = st.integers(1, 9).map(lambda n: f"0.{n}")
+_SPEEDS = st.sampled_from(["w", "v_1", "0.5", "2"])
+_TERMS = st.one_of(
+    st.builds("{}*exp(-v/{})".format, _NUMBERS, _SPEEDS),
+    st.builds("{}*tanh(v/{})".format, _NUMBERS, _SPEEDS),
+    st.builds("{}*v^2/{}".format, _NUMBERS, _SPEEDS),
+    st.builds("{}/(1 + v/{})".format, _NUMBERS, _SPEEDS),
+    st.builds("{}*exp(-(v/{})^2)".format, _NUMBERS, _SPEEDS),
+    st.builds("{}*atan(v/{})".format, _NUMBERS, _SPEEDS),
+    st.builds("{}*log(1 + v/{})".format, _NUMBERS, _SPEEDS),
+    st.builds("{}*Max(0, 1 - v/{})".format, _NUMBERS, _SPEEDS),
+    st.builds("a*{}*asinh(v/{})".format, _NUMBERS, _SPEEDS),
+)
+
+
+@needs_coq
+@pytest.mark.thorough
+@given(st.lists(_TERMS, min_size=1, max_size=3))
+def test_coq_accepts_random_laws(tmp_path_factory, terms):
+    proves(script_of("mu_0 + " + " + ".join(terms)), tmp_path_factory.mktemp("coq"))
