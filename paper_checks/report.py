@@ -27,6 +27,7 @@ _TITLE = "Stick–slip vibration of an oscillator with damping, checked by machi
 _PROOFS = Path(derivations.__file__).with_name("certificates")
 _CERTIFIED = {"(15)": "least_squares", "(16)": "least_squares", "(17)": "exponential_least_squares",
               "(18)": "polynomial_least_squares"}  # fmt: skip
+_IN_COQ = {"(15)": "least_squares", "(16)": "least_squares", "(17)": "exponential_law", "(18)": "polynomial_law"}
 _SIGNS = {Outcome.REPRODUCED: "✓", Outcome.QUALIFIED: "◐", Outcome.NOT_REPRODUCED: "✗"}
 
 
@@ -66,7 +67,8 @@ def write(folder: Path, findings: Sequence[Finding]) -> Path:
 
 def certificates() -> dict[str, str]:
     """Return scripts that prove equations and thresholds without this package, by the files that hold them."""
-    scripts = {f"certificates/{path.name}": path.read_text(encoding="utf-8") for path in _PROOFS.glob("*.py")}
+    proofs = [*_PROOFS.glob("*.py"), *_PROOFS.glob("*.v")]
+    scripts = {f"certificates/{path.name}": path.read_text(encoding="utf-8") for path in proofs}
     return scripts | {file: proof.certificate() for file, proof in _theorems().items()}
 
 
@@ -89,7 +91,7 @@ def page(report: Report) -> str:
         columns=("", "claim", "paper", "ours", "difference", "verdict"),
         groups={"E": "Equations", "N": "Numbers", "F": "Figures", "S": "Statements"},
         signs=_SIGNS, short=SHORT, css=lambda outcome: SHORT[outcome].replace(" ", "-"),
-        certified=_CERTIFIED, theorems=_theorems(), sentence=_sentence, duration=duration,
+        certified=_CERTIFIED, in_coq=_IN_COQ, theorems=_theorems(), sentence=_sentence, duration=duration,
     )  # fmt: skip
 
 

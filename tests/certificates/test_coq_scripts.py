@@ -4,6 +4,7 @@ import random
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import commands
 import pytest
@@ -22,6 +23,7 @@ AXIOMS = {"ClassicalDedekindReals.sig_not_dec", "ClassicalDedekindReals.sig_fora
 CATALOGUE = [(name, criterion) for name in ss.laws for criterion in ("equilibrium", "least_squares")]
 WITHOUT_FORM = {("andersson", "least_squares")}
 SHORT = [("exponential", "least_squares"), ("tanh", "equilibrium")]
+README = Path(__file__).parents[2] / "README.md"
 KINKED = "0.2 + (mu_s - 0.2)*Max(0, 1 - v/v_1)"
 
 
@@ -30,7 +32,7 @@ def compiled(script, folder):
     file = folder / "proof.v"
     file.write_text(script, encoding="utf-8")
     done = subprocess.run(["coqc", "-q", file.name], cwd=folder, capture_output=True, text=True, timeout=LONGEST)
-    return done.returncode == 0, done.stdout + done.stderr
+    return done.returncode == 0, done.stdout or done.stderr
 
 
 def script_of(law, criterion="least_squares"):
@@ -62,6 +64,9 @@ def proves(script, folder):
 @pytest.mark.parametrize(("law", "criterion"), [*SHORT, (KINKED, "least_squares")])
 def test_coq_accepts_a_closed_form(law, criterion, tmp_path):
     printed = proves(script_of(law, criterion), tmp_path)
+    if law == "exponential":
+        shown = re.search(r"^```coq\n(.*?)^```", README.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)[1]
+        assert printed.split("Axioms:")[0].split() == shown.split()
     stated = "is_derive (mu" if criterion == "equilibrium" else "is_RInt (fun v : R => N * mu"
     assert stated in " ".join(printed.split())
 
@@ -123,7 +128,7 @@ def test_the_command_writes_a_file_in_coq(tmp_path):
     done = commands.inside("export", "linear", "--criterion", "least_squares", "--certificate", str(target))
     assert done.returncode == 0, done.stderr
     assert target.read_text(encoding="utf-8") == script_of("linear")
-    done = commands.inside("export", "linear", "--certificate", str(target))
+    done = commands.inside("export", "linear", "--certificate", str(tmp_path / "all.v"))
     assert done.returncode == 2
     assert "one proof" in done.stderr
 

@@ -91,7 +91,13 @@ def test_the_page_and_the_numbers_of_a_report():
     linked = set(re.findall(r'href="(certificates/[^"]*)"', page))
     assert {"certificates/least_squares.py", "certificates/exponential_V0.5_k100.py"} < linked
     assert "certificates/polynomial_V1_k100.py" in linked
-    assert all("proved: " in certificates()[name] for name in linked)
+    assert {
+        "certificates/least_squares.v",
+        "certificates/exponential_law.v",
+        "certificates/polynomial_law.v",
+    } < linked
+    ends = {".py": "proved: ", ".v": "Print Assumptions"}
+    assert all(ends[Path(name).suffix] in certificates()[name] for name in linked)
     check_well_formed(page)
     check_complete(page)
     assert "not measured" in page

@@ -34,8 +34,8 @@ LIBRARY, TEMPLATE = _parts("library.v"), _parts("template.v")
 
 _MADE = r"(?:Lemma|Definition|Ltac|Instance) (\w+)"
 _ALWAYS = ("tactics",)
-_WORDS_OF = {"hyperbolic": ("tanh", "sinh", "cosh"), "bounds": ("scaled",)}
-"""What stands in a script that needs a part of the library, if it is not the name of the part."""
+_WORDS_OF = {"hyperbolic": ("tanh", "sinh", "cosh"), "bounds": ("scaled",), "arcsinh": ("arcsinh",)}
+"""What stands in a script that needs a part of the library, beside the names that the part makes."""
 
 _VALUES = {"exp": "0", "ln": "1", "atan": "0", "arcsinh": "0", "erf": "0", "sqrt": "1", "power": "0"}
 _VALUES |= {"lower_gamma": "0", "sin": "0", "cos": "0"}
@@ -120,8 +120,10 @@ class Script:
         """Return a script with those parts of the library that it needs."""
         text, needed = law + proof, list[str]()
         for name, lemmas in reversed(LIBRARY.items()):  # each needs those before it only
-            words = {*_WORDS_OF.get(name, (name,)), *re.findall(_MADE, lemmas)}
-            if name in _ALWAYS or words & set(re.findall(r"\w+", text)):
+            words = {*_WORDS_OF.get(name, ()), *re.findall(_MADE, lemmas)}
+            if name in _ALWAYS or words & set(
+                re.findall(r"\w+", re.sub(r"\(\*.*?\*\)", "", text, flags=re.DOTALL))
+            ):
                 needed.insert(0, name)
                 text = lemmas + text
         library = "\n".join(_kept(LIBRARY[name], needed).rstrip() for name in needed)
