@@ -128,7 +128,7 @@ def test_the_command_writes_a_file_in_coq(tmp_path):
     done = commands.inside("export", "linear", "--criterion", "least_squares", "--certificate", str(target))
     assert done.returncode == 0, done.stderr
     assert target.read_text(encoding="utf-8") == script_of("linear")
-    done = commands.inside("export", "linear", "--certificate", str(tmp_path / "all.v"))
+    done = commands.inside("export", "linear", "--criterion", "all", "--certificate", str(tmp_path / "all.v"))
     assert done.returncode == 2
     assert "one proof" in done.stderr
 
