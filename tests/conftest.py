@@ -8,6 +8,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import commands
 import pytest
+import results
 from hypothesis import HealthCheck, settings
 
 import stickslip_sym as ss
@@ -18,6 +19,8 @@ TOGETHER = {
                      "tests/formula/export/", "tests/model/test_catalogue.py", "tests/output/test_latex.py"),
     "printed formulas": ("tests/output/test_printers.py",),
     "measured points": ("tests/model/test_samples.py",),
+    "results": ("tests/output/test_notebook.py", "tests/whole/test_results_are_data.py",
+                "tests/formula/test_views.py"),
 }  # fmt: skip
 """Tests that share orbits and proofs, closed forms, or draws: one process makes them, once."""
 
@@ -101,6 +104,14 @@ def run(tmp_path, monkeypatch):
         return done.returncode, done.stdout, done.stderr
 
     return results
+
+
+@pytest.fixture(scope="session")
+def of_each_kind():
+    """One of every result by its name, made once in each process; `results.untouched` gives them as they were."""
+    made = results.one_of_each()
+    results.untouched("law")
+    return made
 
 
 @pytest.fixture
