@@ -12,6 +12,7 @@ from itertools import chain, pairwise
 from typing import SupportsIndex
 
 import mpmath
+import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Mpf
@@ -35,6 +36,7 @@ _MOST_LOST = 400  # digits of cancellation in an integral that are followed befo
 _MOST_LOST_IN_SLOPE = 2000  # of a slope, which costs a few values of mu only
 _MOST_PANELS = 120
 _WIDER = 4  # times, each panel beside a narrow one
+_BESIDE = 4  # times the digits asked for: decimal orders below the belt speed, as near as rest itself
 _STRETCHING = 8  # the least power of the variable where mu is infinite at v = 0
 _MOST_STRETCHING = 1000
 _NEAR = (50, 100)  # decimal orders below the belt speed at which a coefficient is seen to be integrable
@@ -88,8 +90,32 @@ def damping(
         rule = "tanh-sinh" if law.curve is None else "gauss-legendre"  # of polynomials between kinks
         bound = law.kinetic
         mu, quick = bound.function(mp.context), _quick(bound)
+        if bound.near_rest is not None:
+            mu = _with_the_digits_lost(mu, _order_of_cancellation(bound), own_mpf(speed))
         result = own_mpf(force) * average(mu, bound.exact_kinks, criterion, speed, digits + 2, rule, quick)
     return rounded(result, digits)
+
+
+def _order_of_cancellation(law: BoundLaw) -> int:
+    """Return a bound on the power of 1/v like which terms grow at rest that cancel there."""
+    powers = [node.exp for node in law.expr.atoms(sp.Pow) if node.exp.is_number and node.exp.is_negative]
+    return 1 + math.ceil(-float(sum(powers)))
+
+
+def _with_the_digits_lost(mu: Function, order: int, speed: Mpf) -> Function:
+    """Return a coefficient whose terms cancel at rest, computed with as many more digits as they lose there.
+
+    At rest itself it is that beside it, where it is the same to all digits.
+    """
+
+    def refined(v: Mpf) -> Mpf:
+        beside = v or speed * mp.mpf(10) ** (-_BESIDE * mp.dps)
+        lost = order * max(0, int(mp.log(speed / beside, 10)) + 1)
+        with mp.workdps(mp.dps + lost):
+            value = mu(beside)
+        return +value
+
+    return refined
 
 
 def _quick(law: BoundLaw) -> list[Expr]:

@@ -204,8 +204,8 @@ class BoundLaw:
         except ArithmeticError:
             value = np.asarray(np.nan)
         result = np.broadcast_to(value, speeds.shape).astype(np.float64)
-        if self._near_rest is not None:  # where terms cancel
-            reach, series = self._near_rest
+        if self.near_rest is not None:  # where terms cancel
+            reach, series = self.near_rest
             low = speeds <= reach
             result[low] = series.slope(speeds[low]) if derivative else series.onset + series.rise(speeds[low])
         at_zero = np.isnan(result) & (speeds == 0)
@@ -214,7 +214,7 @@ class BoundLaw:
         return result
 
     @cached_property
-    def _near_rest(self) -> tuple[float, RestPolynomial] | None:
+    def near_rest(self) -> tuple[float, RestPolynomial] | None:
         """The slip speed up to which mu is taken from its series, and that; None where its formula has a value."""
         if self.curve is not None:
             return None

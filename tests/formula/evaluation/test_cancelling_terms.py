@@ -1,6 +1,7 @@
 """Laws whose terms are infinite alone and finite together: call, enclosure, quadrature and code say one thing."""
 
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -60,10 +61,18 @@ def test_terms_that_do_not_cancel_are_parted(text):
     assert len(terms_of(ss.FrictionLaw(text).expr)) == 2
 
 
-def test_quadrature_agrees_at_rest():
-    law = ss.FrictionLaw("0.3 + 0.1*(1 - exp(-v))/v")
-    exact = ss.enclose(law, V="0.5", N=1, digits=20)
-    assert float(ss.quadrature.damping(law, V="0.5", N=1, digits=20)) == pytest.approx(float(exact), rel=1e-15)
+@sweep(
+    ("text", "criterion"),
+    [(text, name) for text in FINITE_TOGETHER for name in ("least_squares", "harmonic")],
+    ("mu_k + d*(1 - exp(-v/w))*w/v", "harmonic"),
+    ("mu_k + d*(v/w)/(exp(v/w) - 1)", "least_squares"),
+)
+def test_quadrature_has_the_digits_that_terms_lose_at_rest(text, criterion):
+    law = law_of(text, mu_k="0.2", d="0.3", w="0.4")
+    exact = ss.enclose(law, criterion, V="0.5", N=1, digits=30)
+    value = ss.quadrature.damping(law, criterion, V="0.5", N=1, digits=25)
+    binary = Fraction(int(value.man)) * Fraction(2) ** int(value.exp)
+    assert abs(binary - exact.mid) <= abs(exact.mid) / 10**24
 
 
 def test_a_threshold_of_a_law_that_is_finite_at_rest():

@@ -1,5 +1,6 @@
 """Exported files: LaTeX through a real engine, and Python, C and Octave run against many digits."""
 
+import ctypes
 import random
 import re
 import shutil
@@ -11,11 +12,12 @@ import pytest
 from accuracy import MOST_UNITS
 from commands import stickslip
 from forms import NO_LEAST_SQUARES, agrees, form_of
-from languages import PROGRAMS, runs, values_of
+from languages import PROGRAMS, compiled, runs, values_of
 from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.formula.zeros import zeros
+from stickslip_sym.output.printing import text as text_of
 
 FEW = [
     ("exponential", "least_squares"), ("exponential_viscous", "harmonic"), ("gaussian", "least_squares"),
@@ -204,6 +206,40 @@ def test_code_of_one_form_is_its_own():
     form = form_of("polynomial", "harmonic")
     for language in ("c", "python", "octave", "javascript"):
         assert ss.export_code([form], language) == ss.export_code(form, language) == form.code(language)
+
+
+def test_code_says_its_formula_and_has_the_name_that_it_is_given():
+    form = form_of("exponential", "least_squares")
+    for language in ("c", "python", "octave", "javascript"):
+        text = ss.export_code(form, language, name="2nd brake-pad")
+        assert f"c = {text_of(form.expr)}" in text
+        assert f"mu(v) = {form.law.text}" in text
+        assert "damping_2nd_brake_pad(" in text
+        assert "damping(" not in text
+
+
+def test_c_takes_arrays(tmp_path):
+    form = form_of("exponential", "harmonic")
+    point = accuracy.samples(form.law, "middle", 50, seed=3)
+    compiled(ss.export_code(form, "c"), tmp_path)
+    function = ctypes.CDLL(str(tmp_path / "a.so")).damping_array
+    columns, values = [np.ascontiguousarray(point[key], float) for key in form.arguments], np.empty(50)
+    pointers = [column.ctypes.data_as(ctypes.c_void_p) for column in (*columns, values)]
+    function(ctypes.c_int(50), *pointers)
+    assert accuracy.units(form, point, values).max() <= MOST_UNITS
+
+
+def test_octave_takes_arrays_in_which_some_values_are_extreme(tmp_path):
+    """Products that would leave the range of floats go another way, for all elements together."""
+    if not runs("octave"):
+        pytest.skip("there is no octave-cli on this machine; Debian has it")
+    form = ss.derive(ss.laws.exponential.typical())
+    V = np.array([1e-200, 1e-3, 0.5, 1e150, -1.0, np.nan])
+    names = {"V": V, "N": 2.0} | {name: float(value) for name, value in form.law.values.items()}
+    got = values_of("octave", form.code("octave"), [("damping", [names[key] for key in form.arguments])], tmp_path)
+    expected = [form(V=float(speed), N=2.0) for speed in V[:4]]
+    assert got[:4] == pytest.approx(expected, rel=1e-13)
+    assert np.isnan(got[4:]).all()
 
 
 def test_octave_text_is_matlab_too():
