@@ -17,7 +17,7 @@ from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.formula.code import writer
 from stickslip_sym.formula.lettered import readable
 from stickslip_sym.formula.slope_average import SlopeAverage
-from stickslip_sym.formula.zeros import zeros
+from stickslip_sym.formula.transition_speeds import transition_speeds
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.output import printing
 from stickslip_sym.output.abbreviation import equation
@@ -243,7 +243,7 @@ def _criterion(
         equation(names["c"], shown.expr, names, label=label, letters=letters),
     ]
     lines += [f"Here {row.meaning}." for row in FUNCTIONS.values() if row.meaning and form.expr.has(row.kind)]
-    lines += [*_ends(shown, names), _zeros(form, names)]
+    lines += [*_ends(shown, names), _vanishing(form, names)]
     note = f"\\footnote{{Certificate: \\texttt{{{prose(certificate)}}}.}}" if certificate else ""
     lines.append(f"Verification: {form.verdict.status.value}; {prose(form.verdict.evidence)}.{note}")
     yield "\n".join(lines)
@@ -270,29 +270,15 @@ def _stated(left: str, value: Expr, names: Mapping[str, str], relation: str) -> 
     return "\n" + displayed(left, printing.latex(value, names), relation=relation)
 
 
-def _zeros(form: ClosedForm, names: Mapping[str, str]) -> str:
-    vanishing, V = zeros(form), names["V"]
+def _vanishing(form: ClosedForm, names: Mapping[str, str]) -> str:
+    vanishing, V = transition_speeds(form), names["V"]
     if vanishing.everywhere:
         return "It is $0$ at all belt speeds."
     if vanishing.formula is not None:
         return f"It vanishes at the transition speed {_stated(V, vanishing.formula, names, '=')}"
     if vanishing.values is None:
         return "No formula was found for its zeros, the transition speeds of the undamped oscillator."
-    said = "For the typical values it vanishes "
-    said += " and ".join(f"at ${V} = {value:.6g}$\\,m/s" for value in vanishing.values)
-    said += ", and nowhere else" if vanishing.values else "nowhere"
-    if vanishing.between is not None:
-        said += f" for {_between(vanishing.between, V)}"
-    if vanishing.undecided:
-        ranges = " and ".join(_between(ends, V) for ends in vanishing.undecided)
-        return f"{said}; undecided is whether it does for {ranges}."
-    if vanishing.values:
-        return f"{said}; no formula for this is known here."
-    return f"{said}: there is no transition speed without damping."
-
-
-def _between(speeds: tuple[float, float], V: str) -> str:
-    low, high = (re.sub(r"e([+-]?)0*(\d+)$", r" \\cdot 10^{\1\2}", f"{speed:.3g}") for speed in speeds)
-    if low == high:
-        return f"speeds near ${V} = {sum(speeds) / 2:.6g}$\\,m/s"
-    return f"${low.replace('{+', '{')} < {V}/(\\mathrm{{m/s}}) < {high.replace('{+', '{')}$"
+    if not vanishing.values:
+        return "For the typical values it vanishes nowhere: there is no transition speed without damping."
+    speeds = " and ".join(f"at ${V} = {value:.6g}$\\,m/s" for value in vanishing.values)
+    return f"For the typical values it vanishes {speeds}, and nowhere else; no formula for this is known here."

@@ -1,5 +1,6 @@
 """Critical values where the orbit that grazes comes to slip speeds near which the law varies quickly."""
 
+import numpy as np
 import pytest
 from sweeps import sweep
 
@@ -56,3 +57,17 @@ def test_values_that_errors_hide_are_open():
     assert any(low <= 1.2 <= high for low, high in found.unresolved) or found[0].value == pytest.approx(
         1.2, rel=0.01
     )
+
+
+@pytest.mark.parametrize("gap", [1, 1e-1, 1e-2, 3e-3, 0])
+def test_speeds_at_which_a_criterion_vanishes(gap):
+    """Two as close as 3e-3, of exponentials; one at which it touches 0 is found, or open."""
+    low, rate = 0.7, 2.0
+    p, q = (f"{np.exp(-rate * root):.12g}" for root in (low, low * (1 + gap)))
+    law = ss.FrictionLaw(f"1 - exp(-4*v)/4 + ({p} + {q})*exp(-2*v)/2 + {p}*{q}*v")
+    found = ss.critical(law, "V", c=0.0, N=9.81, method="equilibrium", within=(0.01, 100))
+    if gap:
+        assert [one.value for one in found] == pytest.approx([low, low * (1 + gap)], rel=1e-5)
+        assert not any(start < low < end for start, end in found.unresolved)
+    else:
+        assert found or any(start < low < end for start, end in found.unresolved)

@@ -1,0 +1,89 @@
+"""The belt speeds at which a criterion vanishes, the transition speeds of the undamped oscillator, as far as exact.
+
+That is by formula; for typical parameters as the zeros of a rational function, those of a polynomial that are counted
+exactly; or where the slope of mu has one sign. Other zeros are critical values of the belt speed at c = 0.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import sympy as sp
+
+from stickslip_sym.core import symbols
+from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.functions import without_squares
+from stickslip_sym.criteria.criterion import Criterion
+from stickslip_sym.formula.closed_form import ClosedForm
+from stickslip_sym.model.expression.letters import with_numbers
+
+
+@dataclass(frozen=True)
+class TransitionSpeeds:
+    """The belt speeds at which a criterion vanishes.
+
+    - `formula`: the only one, in terms of the parameters.
+    - `values`: all in m/s for the typical parameters, ascending; None where they are not known exactly.
+    - `everywhere`: whether it vanishes at all belt speeds.
+    """
+
+    formula: Expr | None = None
+    values: tuple[float, ...] | None = None
+    everywhere: bool = False
+
+
+def transition_speeds(form: ClosedForm) -> TransitionSpeeds:
+    """Return the belt speeds at which a criterion vanishes, by formula or for the typical parameters."""
+    if form.expr == 0:
+        return TransitionSpeeds(everywhere=True)
+    if form.general is not None:
+        vanishing = transition_speeds(form.general)
+        if vanishing.formula is not None:
+            return replace(vanishing, formula=with_numbers(vanishing.formula, form.meanings))
+        if vanishing.everywhere:
+            return vanishing
+        return _at_typical_values(form)
+    numerator = sp.numer(sp.together(form.expr))
+    if numerator.is_polynomial(symbols.V):
+        match sp.Poly(sp.expand(numerator), symbols.V).terms():
+            case [_]:
+                return TransitionSpeeds(values=())
+            case [((power,), highest), ((0,), constant)]:
+                speed = sp.factor(-constant / highest) ** sp.Rational(1, power)
+                if speed.is_positive:
+                    return TransitionSpeeds(speed)
+    return _at_typical_values(form)
+
+
+def _at_typical_values(form: ClosedForm) -> TransitionSpeeds:
+    law = form.law.typical()
+    if law.missing:
+        return TransitionSpeeds()
+    point = law.point
+    if (exactly := _of_rational_function(form.expr, point)) is not None:
+        return exactly
+    mu = sp.Add(*(term.expr for term in form.terms))
+    # With V for v, which is positive where a slip speed may be 0.
+    slope = without_squares(sp.diff(mu, symbols.v)).xreplace({**point, symbols.v: symbols.V})
+    if not mu.has(sp.Piecewise) and _is_average(form.criterion) and (slope.is_positive or slope.is_negative):
+        return TransitionSpeeds(values=())
+    return TransitionSpeeds()
+
+
+def _is_average(criterion: Criterion) -> bool:
+    """Whether the weight is negative nowhere."""
+    if not criterion.is_polynomial:
+        return True
+    inside = [root for root in criterion.from_rest.real_roots() if 0 < root < 2]
+    return all(inside.count(root) % 2 == 0 for root in inside)
+
+
+def _of_rational_function(expr: Expr, point: Mapping[Expr, Expr]) -> TransitionSpeeds | None:
+    """Return all zeros of a rational function of V at rational values of its parameters; None for another one."""
+    per_force = expr.xreplace({symbols.N: sp.S.One, **point})
+    if not per_force.is_rational_function(symbols.V):
+        return None
+    polynomial = sp.Poly(sp.numer(sp.cancel(per_force)), symbols.V)
+    if not all(c.is_Rational for c in polynomial.all_coeffs()):
+        return None
+    roots = (float(root) for root in polynomial.real_roots(multiple=False, radicals=False) for root in root[:1])
+    return TransitionSpeeds(values=tuple(root for root in roots if root > 0))
