@@ -1,7 +1,7 @@
-"""The belt speeds at which a criterion vanishes, the transition speeds of the undamped oscillator, as far as exact.
+"""The belt speeds at which a criterion vanishes, the transition speeds of the undamped oscillator, where exact.
 
-That is by formula; for typical parameters as the zeros of a rational function, those of a polynomial that are counted
-exactly; or where the slope of mu has one sign. Other zeros are critical values of the belt speed at c = 0.
+That is by formula; for typical parameters as the zeros of a rational function, which are those of a polynomial and
+counted exactly; or where the slope of mu has one sign. Others are critical values of the belt speed at c = 0.
 """
 
 from collections.abc import Mapping

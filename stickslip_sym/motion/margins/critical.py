@@ -43,7 +43,7 @@ from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, of
 from stickslip_sym.motion.thresholds.theorem import Search, checked_hypotheses
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.numerics.known import Column, Unknown, attempted
-from stickslip_sym.numerics.resolved import Root, Sampled, nodes, resolve
+from stickslip_sym.numerics.resolved import Resolved, Root, Sampled, nodes, resolve
 from stickslip_sym.numerics.subdivide import joined
 from stickslip_sym.output import markup
 
@@ -566,6 +566,7 @@ class _Search:
         open_ends = [
             *((part[0], part[-1]) for part in missing),
             *(ends for stretch in resolved for ends in stretch.open_at(0.0)),
+            *(ends for stretch in resolved for ends in _touching(stretch)),
             *unconfirmed,
         ]
         unresolved = [quantity(np.array(ends)).tolist() for ends in joined(open_ends)]
@@ -769,6 +770,14 @@ def _polished(function: Callable[[float], float], root: Root) -> float | None:
         if (low, high) == (root.low, root.high):
             return None
         step *= _WIDER
+
+
+def _touching(function: Resolved) -> list[tuple[float, float]]:
+    """Return the intervals in which a function turns within its errors from 0, and may come to it twice."""
+    turns = [turn.x for turn in function.turns[1:-1] if abs(turn.value) <= turn.error]
+    return [
+        (piece.low, piece.high) for piece in function.pieces if any(piece.low <= x <= piece.high for x in turns)
+    ]
 
 
 def _spaced(low: float, high: float) -> list[float]:
