@@ -19,7 +19,7 @@ from stickslip_sym.output.browser import require_browser
 
 ROOT = Path(__file__).parents[1]
 TRADE, STUDY = ROOT / ".github" / "tradeoff.svg", ROOT / ".github" / "study.png"
-SIZE, SCALE = (1067, 1183), 0.75  # of the picture of the study, in pixels of the page, and of a pixel of it
+SIZE, SCALE = (1067, 1345), 0.75  # of the picture of the study, in pixels of the page, and of a pixel of it
 PATIENCE = "1000"  # seconds for each part of the study: no part is left out on a busy machine
 FIGURES = 4  # of the study that the picture shows
 NUMBER = re.compile(r"[-−]?\d+(?:\.\d+)?(?:e[+-]?\d+)?")

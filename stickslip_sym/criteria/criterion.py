@@ -7,14 +7,16 @@ With s = (v - V)/V in [-1, 1] every criterion reads
 
 import re
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property, lru_cache
 
 import sympy as sp
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.names import lookup
+from stickslip_sym.core.numbers import fraction
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,8 +141,17 @@ class Criterion:
         return sp.diff(self.weight, symbols.s)
 
 
+_LARGEST_DENOMINATOR, _ROUNDED = 10**6, Fraction(1, 10**15)  # of a float that rounds a ratio, and by how much
 _HIGHEST = 40  # degree of a weight; double precision holds no polynomial in s of a much higher one
 _HARMONIC_WEIGHT = 2 / sp.pi * sp.sqrt(1 - symbols.s**2)
+
+
+def _simple_ratio(number: Expr) -> Rational:
+    """Return a SymPy Float as the ratio of small integers that it rounds, such as 1/3; if it is none, exactly."""
+    exactly = fraction(number, "a number of the weight")
+    simple = exactly.limit_denominator(_LARGEST_DENOMINATOR)
+    ratio = simple if abs(simple - exactly) <= _ROUNDED * max(Fraction(1), abs(exactly)) else exactly
+    return sp.Rational(ratio.numerator, ratio.denominator)
 
 
 def _checked_weight(name: str, weight: Expr) -> Expr:
@@ -156,7 +167,7 @@ def _checked_weight(name: str, weight: Expr) -> Expr:
     weight = weight.xreplace(dict.fromkeys(weight.free_symbols, symbols.s))
     if weight == _HARMONIC_WEIGHT:
         return weight
-    weight = sp.nsimplify(weight, rational=True) if weight.has(sp.Float) else weight
+    weight = weight.xreplace({number: _simple_ratio(number) for number in weight.atoms(sp.Float)})
     polynomial = weight.is_polynomial(symbols.s)
     if polynomial and (degree := sp.degree(weight, symbols.s)) > _HIGHEST:
         raise InputError(f"{what} is of degree {degree}; take one of degree {_HIGHEST} at most")

@@ -115,5 +115,7 @@ def test_criteria_are_equal_by_their_weights():
     assert ss.criteria.equilibrium not in (mine, ss.criteria.harmonic)
     in_floats = ss.Criterion("mine", 0.75 * (1 - sp.Symbol("s") ** 2))  # and in the user's own s
     assert in_floats == ss.Criterion("mine", R(3, 4) * (1 - s**2))
+    thirds = ss.Criterion("mine", 1 / 3 * sp.Symbol("s") ** 2 + (0.1 + 0.2) * sp.Symbol("s") + 7 / 18)
+    assert thirds.weight == s**2 / 3 + R(3, 10) * s + R(7, 18)
     with pytest.raises(ss.InputError, match="is an expression in s, got str"):
         ss.Criterion("text", "__import__('os')")
