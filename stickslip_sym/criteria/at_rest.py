@@ -8,11 +8,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import sympy as sp
-from flint import acb, arb
+from flint import acb, arb, arb_poly
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.balls import ball, ball_value, number_at
+
+_FARTHER = 1.25  # times, each step of a logarithm down to where an exponential counts for nothing
+_LEAST_DEGREE = 2  # in log(v), of an exponent: one of degree 1 is a power of v
 
 
 @dataclass(frozen=True)
@@ -43,6 +46,56 @@ class Decay:
         """Return a speed where it is so many bits below what it is at another one."""
         rate, order = ball(self.rate).real, ball(self.order).real
         return ((reach ** (-order) + bits * arb.const_log2() / rate) ** (-1 / order)).mid()
+
+
+@dataclass(frozen=True)
+class DecayInLogarithm:
+    """exp(P(log(v))), P a polynomial of degree 2 or more that falls without bound at rest, as of log-normal laws."""
+
+    coefficients: tuple[arb, ...]
+
+    def exponent(self, logarithm: arb) -> arb:
+        """Return P of a logarithm of the speed."""
+        return arb_poly(list(self.coefficients))(logarithm)
+
+    def rises_below(self, logarithm: arb, power: arb) -> bool:
+        """Whether v^power exp(P(log(v))) rises with v up to a speed: its rate is positive for every t below."""
+        rate = arb_poly(list(self.coefficients)).derivative() + power
+        in_distance = rate(arb_poly([logarithm, -1]))
+        return all(bool(c >= 0) for c in in_distance) and bool(in_distance[0] > 0)
+
+    def below(self, reach: arb, bits: int) -> arb:
+        """Return a speed where it is so many bits below what it is at another one, or lower."""
+        top, step = reach.log(), arb(1)
+        wanted = self.exponent(top) - bits * arb.const_log2()
+        while not (self.exponent(top - step) < wanted and self.rises_below(top - step, arb(0))):
+            step *= _FARTHER
+        return (top - step).exp().mid()
+
+
+def _in_logarithm(node: Expr, point: Mapping[Expr, Expr | acb]) -> DecayInLogarithm | None:
+    """Return an exponential as one of a polynomial in log(v) that falls without bound at rest; None for another."""
+    if not node.exp.has(sp.log):
+        return None
+    logarithm = sp.log(symbols.v)
+    exponent = sp.expand(sp.expand_log(node.exp, force=True))
+    if not exponent.is_polynomial(logarithm) or sp.Poly(exponent, logarithm).degree() < _LEAST_DEGREE:
+        return None
+    coefficients = sp.Poly(exponent, logarithm).all_coeffs()[::-1]
+    if any(c.has(symbols.v) or c.free_symbols - point.keys() for c in coefficients):
+        return None
+    balls = tuple(ball_value(c, point).real for c in coefficients)
+    falls = bool(balls[-1] * (-1) ** (len(balls) - 1) < 0)
+    return DecayInLogarithm(balls) if falls else None
+
+
+def start_of(mu: Expr, point: Mapping[Expr, Expr | acb], reach: arb, bits: int) -> arb | None:
+    """Return a speed below which what vanishes faster than any power counts for nothing; None where nothing does."""
+    decay = decay_at_rest(mu, point)
+    logarithmic = [_in_logarithm(node, point) for node in mu.atoms(sp.exp)]
+    starts = [one.below(reach, bits) for one in logarithmic if one is not None]
+    starts += [] if decay is None else [decay.below(reach, bits)]
+    return min(starts, key=float, default=None)
 
 
 def decay_at_rest(mu: Expr, point: Mapping[Expr, Expr | acb]) -> Decay | None:
@@ -76,9 +129,8 @@ def vanishing(mu: Expr, point: Mapping[Expr, Expr | acb]) -> tuple[Expr, Expr]:
     """Return a smooth coefficient without its terms that vanish faster than any power, and these."""
     regular, vanished = list[Expr](), list[Expr]()
     for term in sp.Add.make_args(sp.expand_mul(mu)):
-        decays = any(_leading(node, point) for node in term.args if isinstance(node, sp.exp)) or (
-            isinstance(term, sp.exp) and _leading(term, point)
-        )
+        exponentials = [factor for factor in sp.Mul.make_args(term) if isinstance(factor, sp.exp)]
+        decays = any(_leading(node, point) or _in_logarithm(node, point) for node in exponentials)
         (vanished if decays else regular).append(term)
     return sp.Add(*regular), sp.Add(*vanished)
 
@@ -89,6 +141,7 @@ def bound_below(vanished: Expr, point: Mapping[Expr, Expr | acb], end: arb) -> a
     total = arb(0)
     for term in sp.Add.make_args(vanished):
         size, power, exponent, order = arb(1), sp.S.Zero, arb(0), arb(0)
+        logarithmic = None
         for factor in sp.Mul.make_args(term):
             base, p = factor.as_base_exp()
             decay = _leading(factor, point) if isinstance(factor, sp.exp) else None
@@ -100,11 +153,18 @@ def bound_below(vanished: Expr, point: Mapping[Expr, Expr | acb], end: arb) -> a
                 if not beside <= leading / 2:  # then it is less, the lower the speed
                     return arb.nan()
                 exponent = leading - beside
+            elif logarithmic is None and isinstance(factor, sp.exp) and _in_logarithm(factor, point) is not None:
+                logarithmic = _in_logarithm(factor, point)
             elif base == symbols.v and not p.has(symbols.v):
                 power += p
             else:
                 size *= abs(ball_value(factor, {**point, symbols.v: around}).real)
         lowered = ball_value(sp.sympify(power), point).real
+        if logarithmic is not None:
+            if exponent != 0 or not logarithmic.rises_below(end.log(), lowered):
+                return arb.nan()
+            total += size * (logarithmic.exponent(end.log()) + lowered * end.log()).exp()
+            continue
         if not exponent * order >= -lowered:  # so far v^power times the exponential rises
             return arb.nan()
         total += size * end**lowered * (-exponent).exp()

@@ -23,7 +23,7 @@ from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_val
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.numbers import Number, fraction
 from stickslip_sym.core.precision import refined, working_precision
-from stickslip_sym.criteria.at_rest import bound_below, decay_at_rest, vanishing
+from stickslip_sym.criteria.at_rest import bound_below, start_of, vanishing
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.quadrature import MOST_DIGITS, read_operating_point
 from stickslip_sym.model.expression.pieces import branch_from, kinks_at
@@ -292,8 +292,7 @@ def average_ball(
     panels = zip(parts, pairwise(ends), strict=True)
     total = scale * reduce(add, [integrated(integrand(part), *panel) for part, panel in panels])
     low, high = criterion.ends
-    if (decay := decay_at_rest(vanished, point)) is not None:
-        start = decay.below(reach, ctx.prec)
+    if (start := start_of(vanished, point, reach, ctx.prec)) is not None:
         start = start.min(places[0].lower() / 2) if places else start
         share = start / speed if criterion.is_polynomial else (start / reach).sqrt().asin()
         most = abs(scale.real) * bound_below(vanished, point, start) * share * _largest(criterion)

@@ -72,3 +72,18 @@ def test_code_is_written_of_what_is_smaller_than_any_float_at_rest(law, criterio
 def test_a_certificate_in_balls_is_refused_in_words():
     with pytest.raises(ss.InputError, match="vanishes at rest faster than any power"):
         ss.enclose("exp(-1/v)", V=1, N=1).certificate()
+
+
+LOG_NORMAL = ["0.6*exp(-0.1*(log(v/0.005)/log(10))^2)", "0.2 + 0.3*exp(-0.5*log(v/0.1)^2)", "0.1*v*exp(-log(v)^2)"]
+
+
+@sweep(("text", "criterion"), [(text, name) for text in LOG_NORMAL for name in ("least_squares", "harmonic")],
+       (LOG_NORMAL[0], "least_squares"), (LOG_NORMAL[1], "harmonic"), (LOG_NORMAL[2], "harmonic"))  # fmt: skip
+@pytest.mark.parametrize("V", ["1e-6", "0.05", "0.5", "40"])
+def test_log_normal_laws_are_enclosed_around_what_quadrature_gives(text, criterion, V):
+    """They vanish at rest faster than any power of v, without a ball around v = 0."""
+    enclosure = ss.enclose(text, criterion, V=V, N=1, digits=18)
+    by_quadrature = ss.quadrature.damping(text, criterion, V=V, N=1, digits=18)
+    assert float(enclosure) == pytest.approx(float(by_quadrature), rel=1e-14)
+    assert enclosure.digits >= 18
+    assert ss.slope_average(text, criterion)(V=float(V), N=1) == pytest.approx(float(by_quadrature), rel=1e-13)
