@@ -15,7 +15,7 @@ from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import SAME
 from stickslip_sym.core.progress import counted_by, steps
-from stickslip_sym.core.remedies import AnySign, Values
+from stickslip_sym.core.remedies import AnySign, Argument, Values
 from stickslip_sym.model.fitting.lack_of_fit import chance_of_residuals, polynomials_of_rank
 from stickslip_sym.model.fitting.least_squares import Minimum, Problem
 from stickslip_sym.model.fitting.result import NORMAL, Fit, Fits
@@ -209,6 +209,7 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
         alike = np.abs(covariance[i]) > _ALIKE * errors[i] * errors
         raise _undetermined(names, np.flatnonzero(alike), p / np.maximum(errors, np.finfo(float).tiny))
     warned = [*_warnings(problem, p, covariance, noise, chi_squared), *_rivals(fitted, rivals)]
+    warned += _of_rest(law.bind(**values), measured)
     if not noise.lag:  # slow noise follows the speed too
         warned += _lack_of_fit(problem, p, derivatives)
     return replace(fitted, jump_intervals=intervals, warnings=tuple(warned))
@@ -338,6 +339,19 @@ def _undetermined(names: tuple[str, ...], which: IntArray, strength: FloatArray)
         return InputError(f"these measurements say nothing of {weakest}; fix it: ", Values.of(weakest))
     mixed = " and ".join(names[i] for i in which)
     return InputError(f"these measurements do not tell {mixed} apart; fix one: ", Values.of(weakest))
+
+
+def _of_rest(law: FrictionLaw, measured: Measurements) -> Iterator[str]:
+    """Yield that rows at rest reach a coefficient above that of the first slip, if they do."""
+    if measured.static_at_least is None or law.static is not None:
+        return
+    first = float(law.at_speeds(np.array([_BESIDE * measured.v[-1]]))[0])
+    if measured.static_at_least > first:
+        static = Argument("static", f"{measured.static_at_least:.4g}")
+        yield (
+            f"rows at rest reach mu = {measured.static_at_least:.4g}, above mu(0+) = {first:.4g} of the law: the "
+            f"static coefficient is at least that, and moves the threshold; give it: {static}"
+        )
 
 
 def _lack_of_fit(problem: Problem, p: FloatArray, derivatives: FloatArray) -> Iterator[str]:

@@ -114,8 +114,7 @@ class Fit(_Report):
     aicc : float
         Akaike's criterion, corrected for few rows: less is better; infinite where they are too few.
     weight : float
-        Of the law among those that were fitted together: 1 if no other could be meant. For many speeds it is
-        Akaike's; for few see `Fits`.
+        Of the law among those that were fitted together, as `Fits` says: 1 if no other could be meant.
 
     References
     ----------
@@ -335,18 +334,17 @@ class Fits(_Report, Sequence[Fit]):
     Notes
     -----
     With n different speeds, S the sum of squares of the means at each speed about a law of k parameters, and
-    nu = n - k of the law with the least S/(n - k), a weight is exp(-k) S^(-(nu + 1)/2). Where so many rows as
-    `Fit.inflation` count as one, n is less by that. For many speeds it is Akaike's weight, and it is finite from
-    n = k + 1 on. Laws whose fitted curves are one share the weight of one.
+    nu = n - k of the law with the least S/(n - k), a weight is exp(-3 k/2) S^(-(nu + 1)/2): for many speeds
+    between Akaike's and Schwarz's, and finite from n = k + 1 on. Where so many rows as `Fit.inflation` count as
+    one, n is less by that. Laws whose fitted curves are one share the weight of one.
     """
 
     reported = ("measured", "fits", "rejected")
 
     def __init__(self, fits: Sequence[Fit], measured: Measurements, rejected: Mapping[str, str]) -> None:
-        best = min(fits, key=lambda fit: fit.chi_squared)
-        weighing = weigh(measured, fits, best.inflation)
+        weighing = weigh(measured, fits)
         weighed = [
-            replace(fit, aicc=_aicc(fit, best.inflation), weight=weight)
+            replace(fit, aicc=_aicc(fit, weighing.inflation), weight=weight)
             for fit, weight in zip(fits, weighing.weights.tolist(), strict=True)
         ]
         self.fits = tuple(sorted(weighed, key=lambda fit: (-fit.weight, fit.chi_squared)))

@@ -2,9 +2,10 @@
 
 What counts are the speeds: rows at one speed say nothing of a law's shape, and count as their mean. With n speeds,
 S the weighted sum of squares of those means about a law of k parameters, and nu = n - k of the law with the least
-S/(n - k), its weight is exp(-k) S^(-(nu + 1)/2). For many speeds that is Akaike's; it is finite from n = k + 1 on.
-The noise is one for all: its variance is the mean of S/(n - k) by weight, with the mean of n - k as its degrees of
-freedom. Where sigma is known, and some law describes the rows, the weight is exp(-k - S/2), and the variance 1.
+S/(n - k), its weight is exp(-3 k/2) S^(-(nu + 1)/2): for many speeds between Akaike's and Schwarz's, and finite
+from n = k + 1 on. The noise is one for all: its variance is the mean of S/(n - k) by weight, with the mean of
+n - k as its degrees of freedom. Where sigma is known, and some law describes the rows, the weight is
+exp(-3 k/2 - S/2), and the variance 1.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,15 +17,16 @@ from scipy.special import chdtrc
 from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
+from stickslip_sym.model.measured.noise import last_decimal
 
 RATHER = 0.01
 """Weight of laws that may be meant, over that of the best."""
 RANKED = 8
 """Speeds, from which the greatest weight is worth naming a law."""
+_PENALTY = 1.5  # of the logarithm of a weight, for a parameter; Akaike's is 1, Schwarz's log(n)/2
+_AS_WELL = 1.3  # times the least variance of residuals
 _SIGMA_HOLDS = 0.05  # probability of the residuals of some law, above which a given sigma is believed
 _NORMAL = 1e8  # degrees of freedom that make Student's distribution the normal one
-_MOST_DECIMALS = 9  # of coefficients that were rounded; more are those of a computation
-_WRITTEN = 1e-12  # relative to 1: what binary numbers are off decimal ones
 _ROUNDED = 1 / 12  # variance of a rounding error, in squares of the last decimal
 _COMPUTED = 1e-15  # of the largest coefficient: rounding of what was computed
 _ONE_CURVE = 1e-6  # of the largest coefficient, by which two curves may differ that are one
@@ -43,6 +45,14 @@ class Fitted(Protocol):
         """The law with the fitted values."""
 
     @property
+    def chi_squared(self) -> float:
+        """The sum of squared residuals, each times its weight."""
+
+    @property
+    def inflation(self) -> float:
+        """How many rows count as one, by the correlation of residuals."""
+
+    @property
     def residuals(self) -> FloatArray:
         """Measured less fitted coefficients."""
 
@@ -50,37 +60,54 @@ class Fitted(Protocol):
 class Weighing(NamedTuple):
     """The weights of fits, which sum to 1, and the noise: its variance for a row of weight 1, and its freedom.
 
-    `dof` is 0 where no law has fewer parameters than there are speeds: nothing was checked then.
+    So many rows as `inflation` count as one. `dof` is 0 where no law has fewer parameters than there are speeds:
+    nothing was checked then.
     """
 
     weights: FloatArray
     variance: float
     dof: float
+    inflation: float
 
 
-def weigh(measured: Measurements, fits: Sequence[Fitted], inflation: float) -> Weighing:
-    """Return the weights of fits to measurements, and their noise; `inflation` rows count as one."""
+def weigh(measured: Measurements, fits: Sequence[Fitted]) -> Weighing:
+    """Return the weights of fits to measurements, and their noise."""
+    inflation = _inflation(len(measured), fits)
     k = np.array([len(fit.values) for fit in fits])
     dof = speeds_that_count(measured) / inflation - k
     checked = dof >= 1
     if not checked.any():
-        weights = np.exp(k.min() - k)
-        return Weighing(weights / weights.sum(), 0.0, 0.0)
+        weights = np.exp(_PENALTY * (k.min() - k))
+        return Weighing(weights / weights.sum(), 0.0, 0.0, inflation)
     least = np.maximum(dof, 1) * rounding_variance(measured)
     squares = np.maximum([_squares_of_means(measured, fit) for fit in fits], least)
     variances = np.where(checked, squares / np.maximum(dof, 1), np.inf)
     best = int(np.argmin(variances))
     believed = measured.sigma is not None and bool(np.max(chdtrc(dof[checked], squares[checked])) >= _SIGMA_HOLDS)
     misfits = squares / 2 if believed else (dof[best] + 1) / 2 * np.log(squares / squares[best])
-    logarithms = -misfits - k
+    logarithms = -misfits - _PENALTY * k
     logarithms = np.where(checked, logarithms, -np.inf)
     weights = _shared_by_curve(np.exp(logarithms - logarithms.max()), measured, fits)
     weights /= weights.sum()
     if believed:
-        return Weighing(weights, 1.0, _NORMAL)
+        return Weighing(weights, 1.0, _NORMAL, inflation)
     likely = likely_laws(weights)
     shares = weights[likely] / weights[likely].sum()
-    return Weighing(weights, float(shares @ variances[likely]), float(shares @ dof[likely]))
+    return Weighing(weights, float(shares @ variances[likely]), float(shares @ dof[likely]), inflation)
+
+
+def _inflation(rows: int, fits: Sequence[Fitted]) -> float:
+    """Return how many rows count as one: the fewest by a law that describes them about as well as the best.
+
+    A law that does not describe them leaves residuals that are correlated too, and so may one that follows noise.
+    """
+    variances = [fit.chi_squared / max(rows - len(fit.values), 1) for fit in fits]
+    near = [
+        fit.inflation
+        for fit, variance in zip(fits, variances, strict=True)
+        if variance <= _AS_WELL * min(variances)
+    ]
+    return min(near)
 
 
 def likely_laws(weights: FloatArray) -> BoolArray:
@@ -104,12 +131,7 @@ def _squares_of_means(measured: Measurements, fit: Fitted) -> float:
 def rounding_variance(measured: Measurements) -> float:
     """Return the variance of a row of weight 1 that rounding of the coefficients alone has."""
     largest = float(np.max(np.abs(measured.mu)))
-    step = 0.0
-    for decimals in range(1, _MOST_DECIMALS + 1):
-        if np.abs(measured.mu - measured.mu.round(decimals)).max() <= _WRITTEN:
-            step = 10.0**-decimals
-            break
-    rounding = _ROUNDED * step**2 + (_COMPUTED * largest) ** 2
+    rounding = _ROUNDED * last_decimal(measured.mu) ** 2 + (_COMPUTED * largest) ** 2
     return max(float(np.mean(measured.weights**2)) * rounding, float(np.finfo(np.float64).tiny))
 
 

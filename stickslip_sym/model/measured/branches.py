@@ -9,12 +9,16 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.core.uncertain import with_error
 from stickslip_sym.model.measured.noise import correlation_of
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 _TURN = 0.1  # of the range of speeds: a smaller return of the speed is jitter, and ends no branch
 _FLAT = 0.02  # relative: rows this near to a turn's speed dwell there, half of them on each branch
@@ -105,7 +109,7 @@ def branches_of(
         names += ["hysteresis"] * len(hysteresis)
         columns += hysteresis
     none = Branches(rising, falling, sweep, np.zeros((len(v), 0)), np.zeros(len(v)))
-    smooth = weights[:, None] * _splines(v)
+    smooth = weights[:, None] * splines(v).toarray()
     if not columns or len(v) < smooth.shape[1] + len(columns) + _FEWEST:
         return none if rising else None
     columns_of_curve, triangle = np.linalg.qr(smooth)
@@ -149,7 +153,7 @@ def branches_of(
         gap=float(mean @ factors),
         standard_error=float(np.sqrt(mean @ covariance @ mean)),
         offset=float(np.sum(factors[~of_gap])),
-        alone=_alone(v, sweep),
+        alone=_alone(v, sweep) if rising else "",
     )  # fmt: skip
 
 
@@ -213,14 +217,15 @@ def _knots(v: FloatArray) -> FloatArray:
     return np.unique(np.quantile(v, np.linspace(0, 1, int(np.clip(len(v) // _ROWS, *_COLUMNS)) - 2)))
 
 
-def _splines(v: FloatArray) -> FloatArray:
-    """Return the cubic splines of the speed between such knots as columns."""
+def splines(v: FloatArray) -> "csr_array":
+    """Return the cubic splines of the speed between such knots as columns; a constant for one speed."""
     from scipy.interpolate import BSpline
+    from scipy.sparse import csr_array
 
     knots = _knots(v)
     if len(knots) < 2:
-        return np.ones((len(v), 1))
-    return np.asarray(BSpline.design_matrix(v, np.pad(knots, 3, mode="edge"), 3).toarray())
+        return csr_array(np.ones((len(v), 1)))
+    return csr_array(BSpline.design_matrix(v, np.pad(knots, 3, mode="edge"), 3))
 
 
 def _terms(v: FloatArray, sweep: IntArray) -> list[FloatArray]:

@@ -17,6 +17,7 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import Number, fraction, read_array, real, require_type
 from stickslip_sym.core.remedies import Argument
 from stickslip_sym.model.measured.branches import Branches, branches_of
+from stickslip_sym.model.measured.heavy_tails import have_heavy_tails, huber_weights
 from stickslip_sym.model.measured.table import Table, read_table
 from stickslip_sym.output import markup
 from stickslip_sym.output.drawing import Drawn, finish, picture
@@ -36,6 +37,7 @@ _BESIDE = 3  # rows on either side that an outlier is held against; one of them 
 _RISES = 4.0  # times what friction changes between rows beside an outlier, which a smooth curve may exceed too
 _ROBUST = 1.4826 / 1.5**0.5  # standard deviation over the median of |mu_i - (mu_i-1 + mu_i+1)/2|
 _RESOLUTION = 0.01  # of mu: smaller steps are no outliers, however even the other rows are
+_BUILT_UP = 0.1  # of the largest mu, by which rows at rest differ where friction builds up: noise is less
 _SHOWN = 5  # rows of a preview
 _MOST_MARKS = 5000  # in a picture, beyond which they are drawn as an image and not each by itself
 _OTHERS = {"sigma_mu": "sigma", "sigma_F_t": "sigma of F_t", "n": "n"}
@@ -67,9 +69,14 @@ class Measurements(Drawn):
         How the file is written: what parts its columns, and its decimal sign.
     branches : Branches or None
         Where the speed rises and falls, or both directions were measured: by how much mu differs between them.
+    static_at_least : float or None
+        The largest coefficient of rows at rest in which friction builds up: they are set apart, as nothing slips
+        in them; None where there are none.
+    tails : ndarray of shape (n,) or None
+        Where noise has heavy tails: Huber's weight of each row, a factor of its square in a sum of squares.
     """
 
-    reported = ("understood", "written", "source", "branches")
+    reported = ("understood", "written", "source", "branches", "static_at_least")
 
     v: FloatArray
     mu: FloatArray
@@ -81,6 +88,8 @@ class Measurements(Drawn):
     source: str = ""
     written: str = ""
     branches: Branches | None = None
+    static_at_least: float | None = None
+    tails: FloatArray | None = None
 
     @classmethod
     def of(cls, v: ArrayLike, mu: ArrayLike, sigma: ArrayLike | None = None) -> "Measurements":
@@ -110,7 +119,7 @@ class Measurements(Drawn):
         order = np.argsort(speeds, kind="stable")
         known = None if deviations is None else np.broadcast_to(deviations, speeds.shape)[order]
         rows = f"{len(speeds)} rows{'' if sigma is None else ' with sigma'}"
-        return cls(speeds[order], coefficients[order], known, rows, order=order).in_branches()
+        return cls(speeds[order], coefficients[order], known, rows, order=order).in_branches().with_tails_weighed()
 
     def in_branches(self, direction: IntArray | None = None) -> "Measurements":
         """Return the measurements with what their order says of branches, and an offset of directions removed.
@@ -124,6 +133,14 @@ class Measurements(Drawn):
             return self
         mu = self.mu if direction is None else self.mu - branches.offset * direction
         return replace(self, mu=mu, understood=f"{self.understood}, {branches}", branches=branches)
+
+    def with_tails_weighed(self) -> "Measurements":
+        """Return the measurements with Huber's weights for its rows, if noise has heavy tails."""
+        if not have_heavy_tails(self.v, self.means):
+            return self
+        tails = huber_weights(self.v, self.means)
+        said = f"noise with heavy tails: {int((tails < 1).sum())} rows far off weighed down (Huber)"
+        return replace(self, tails=tails, understood=f"{self.understood}, {said}")
 
     def __len__(self) -> int:
         return len(self.v)
@@ -187,8 +204,9 @@ class Measurements(Drawn):
 
     @property
     def weights(self) -> FloatArray:
-        """What multiplies each residual in a sum of squares: 1/sigma where it is known, else 1."""
-        return np.ones(len(self)) if self.sigma is None else 1 / self.sigma
+        """What multiplies each residual in a sum of squares: 1/sigma where it is known, less in heavy tails."""
+        weights = np.ones(len(self)) if self.sigma is None else 1 / self.sigma
+        return weights if self.tails is None else weights * np.sqrt(self.tails)
 
     @property
     def means(self) -> FloatArray:
@@ -224,12 +242,13 @@ class Measurements(Drawn):
         """
         speeds, index = np.unique(self.v, return_inverse=True)
         if len(speeds) == len(self):
-            return self if self.branches is None else replace(self, mu=self.means, branches=None)
+            return self if self.branches is None else replace(self, mu=self.means, branches=None, tails=None)
         total = np.bincount(index, self.weights**2)
         mean = np.bincount(index, self.weights**2 * self.means) / total
         scatter, said = 1.0, "weighted by 1/sigma^2"
         if self.sigma is None:
-            scatter = float(np.sqrt(np.sum((self.means - mean[index]) ** 2) / (len(self) - len(speeds))))
+            squares = (self.weights * (self.means - mean[index])) ** 2
+            scatter = float(np.sqrt(np.sum(squares) / (len(self) - len(speeds))))
             said = f"scatter {scatter:.2g} about the means"
         understood = f"{self.understood}; averaged at {len(speeds)} speeds, {said}"
         deviations = scatter / np.sqrt(total)
@@ -242,6 +261,7 @@ class Measurements(Drawn):
             order=None,
             counts=None,
             branches=None,
+            tails=None,
         )
 
     def binned(self, count: int) -> "Measurements":
@@ -350,8 +370,17 @@ def read_measurements(
         )
     if speeds is not None:
         notes.insert(0, f"{len(order)} of {len(v)} from {low:g} to {high:g} m/s")
+    held = _held(v, mu)
+    static_at_least = None
+    if held.any() and not held.all():
+        static_at_least = float(mu[held].max())
+        notes.append(
+            f"{int(held.sum())} rows at rest set apart: friction builds up to {static_at_least:.4g} there, and "
+            "the static coefficient is at least that"
+        )
+        order = order[~held[order]]
     counts = table.floats("n") if "n" in table.cells else None
-    if not keep_outliers:
+    if not (keep_outliers or have_heavy_tails(v[order], mu[order])):
         off = _outliers(v[order], mu[order])
         smooth = ~np.isin(np.arange(len(v)), order[off])
         rule = "mu is more than 6 robust standard deviations off a smooth curve; keep such rows by "
@@ -367,9 +396,31 @@ def read_measurements(
     source = f"{path.name}, {datetime.fromtimestamp(path.stat().st_mtime, UTC):%Y-%m-%d}"
     rows = f"{len(order)} row{'s' * (len(order) != 1)}"
     understood = ", ".join([rows, *_columns_in_words(table), *notes])
-    read = Measurements(v[order], mu[order], sigma, understood, path.stem, order, counts, source, table.written)
-    read = read.in_branches(direction[order])
+    read = Measurements(
+        v[order],
+        mu[order],
+        sigma,
+        understood,
+        path.stem,
+        order,
+        counts,
+        source,
+        table.written,
+        static_at_least=static_at_least,
+    )
+    read = read.in_branches(direction[order]).with_tails_weighed()
     return read if bins is None else read.binned(bins)
+
+
+def _held(v: FloatArray, mu: FloatArray) -> BoolArray:
+    """Return which rows are at rest, if friction differs among them: there it builds up, and nothing slips.
+
+    One row at rest, or several of one coefficient, may be meant as mu(0+).
+    """
+    at_rest: BoolArray = np.asarray(v == 0)
+    if at_rest.sum() < 2 or np.ptp(mu[at_rest]) <= _BUILT_UP * np.max(np.abs(mu)):
+        return np.zeros(len(v), dtype=bool)
+    return at_rest
 
 
 def _columns_in_words(table: Table) -> list[str]:

@@ -1,4 +1,4 @@
-"""How noise is correlated from row to row."""
+"""How noise is correlated from row to row, and how finely coefficients are written."""
 
 import numpy as np
 
@@ -6,6 +6,9 @@ from stickslip_sym.core.aliases import FloatArray
 
 _CORRELATED = 2.7  # standard deviations of a partial correlation of white noise, above which noise is correlated
 _LAGS = 4  # rows apart, up to which noise may be correlated: as many sweeps may be interleaved
+_ROWS_OF_A_LAG = 8  # of fewer for each lag, a partial correlation that is noise counts most rows away
+_MOST_DECIMALS = 9  # of coefficients that were rounded; more are those of a computation
+_WRITTEN = 1e-12  # relative to 1: what binary numbers are off decimal ones
 _MOST_CORRELATED = 0.95  # beyond it the rows are too few to tell noise from a trend
 
 
@@ -18,7 +21,7 @@ def correlation_of(e: FloatArray, k: int) -> tuple[float, float, int]:
     count, strongest = len(e), (1.0, 0.0, 0)
     deviation = np.sqrt(count) / (count - 3)
     weights, left, r = np.zeros(0), 1.0, np.zeros(0)
-    for lag in range(1, min(_LAGS, count // 4) + 1):
+    for lag in range(1, min(_LAGS, count // _ROWS_OF_A_LAG) + 1):
         # The k parameters follow part of the noise, which so seems less correlated by about (k + 3 r)/n.
         r = np.append(r, (float(np.sum(e[lag:] * e[:-lag]) / np.sum(e**2)) * count + k) / (count - 3))
         partial = float(np.clip((r[-1] - weights @ r[-2::-1]) / left, -_MOST_CORRELATED, _MOST_CORRELATED))
@@ -29,3 +32,11 @@ def correlation_of(e: FloatArray, k: int) -> tuple[float, float, int]:
         if partial > _CORRELATED * deviation and inflation > strongest[0]:
             strongest = inflation, partial, lag
     return strongest
+
+
+def last_decimal(mu: FloatArray) -> float:
+    """Return the size of the last decimal that coefficients are written with; 0 if they were computed."""
+    for decimals in range(1, _MOST_DECIMALS + 1):
+        if np.abs(mu - mu.round(decimals)).max() <= _WRITTEN:
+            return float(10.0**-decimals)
+    return 0.0

@@ -131,3 +131,20 @@ def test_clean_columns_keep_the_branches(tmp_path, run):
     assert "1 rising and 1 falling branch, rising above by 0.0" in out
     assert "rising speed" in (tmp_path / "raw.svg").read_text(encoding="utf-8")
     assert ss.read_measurements("clean.csv").branches.gap == ss.read_measurements("raw.csv").branches.gap
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_rows_that_alternate_in_direction_lose_the_offset(seed):
+    """No sweep is in them, and the offset of a load cell is known exactly without noise."""
+    from pathlib import Path
+    from tempfile import TemporaryDirectory
+
+    rng = np.random.default_rng(seed)
+    v, offset = np.sort(rng.uniform(0.05, 1.5, 6)), float(rng.uniform(0.005, 0.04))
+    rows = [f"{way * a:.6f},{way * b + offset:.6f}\n" for a, b in zip(v, mean(v), strict=True) for way in (1, -1)]
+    with TemporaryDirectory() as folder:
+        file = Path(folder, "both.csv")
+        file.write_text("v [m/s],mu\n" + "".join(rows))
+        found = ss.read_measurements(file)
+    assert found.branches.offset == pytest.approx(offset, abs=1e-5)
+    np.testing.assert_allclose(found.mu, np.repeat(mean(v), 2), atol=2e-5)

@@ -1,0 +1,168 @@
+"""What few rows say: weights of laws, one noise, Student's distribution, laws that do not describe them."""
+
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import binomtest
+from sweeps import sweep
+
+import stickslip_sym as ss
+from stickslip_sym.comparison.decision import Decision
+from stickslip_sym.model.fitting.averaged import Averaged, ByLaw
+
+LAWS = ["linear", "exponential", "gaussian", "hyperbolic", "tanh", "lorentzian"]
+FIVE = [0.05, 0.288, 0.525, 0.762, 1.0], [0.3137, 0.2132, 0.1745, 0.1595, 0.1537]
+POINT = {"V": 0.5, "N": 9.81}
+
+
+def slope(law):
+    return ss.pure_slip_damping(law, **POINT, method="harmonic")
+
+
+def measured(count, seed, noise=0.005, name="exponential"):
+    v = np.linspace(0.05, 1.1, count)
+    return v, ss.laws[name].typical().mu(v) + noise * np.random.default_rng(seed).normal(size=count)
+
+
+def decided(v, mu, c, laws=LAWS):
+    fits = ss.fit(v, mu, laws=laws)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ss.InputWarning)  # few rows have large errors, as they should
+        return Decision.of_measured(c, 0.0, fits.average(slope))
+
+
+def test_five_exact_rows_decide_by_laws_that_agree():
+    """An exponential to four digits: its threshold is 1.7 kg/s, and no law with more parameters is left out."""
+    true = float(slope(ss.laws.exponential.bind(mu_s=0.35, mu_m=0.15, alpha=4)).value)
+    fits = ss.fit(*FIVE, laws=[*LAWS, "stribeck", "exponential_viscous"])
+    assert {fit.name for fit in fits.likely} == {"exponential", "stribeck", "exponential_viscous"}
+    assert "too few rows to rank laws: 5 speeds" in str(fits)
+    decision = Decision.of_measured(0.3 * true, 0.0, fits.average(slope))
+    assert decision.below is True
+    low, high = decision.range
+    assert low < true < high < 1.03 * low
+    said = "by the 3 laws that may be meant, which agree: P > 0.99 that c is below it"
+    assert decision.statement.endswith(said)
+    assert not any("does not describe" in text for text in fits["exponential"].warnings)
+
+
+def test_too_few_speeds_state_a_range_alone():
+    v, mu = measured(4, 1, noise=1e-5)
+    decision = decided(v, mu, 0.1, ["linear", "exponential"])
+    assert (decision.below, decision.probability) == (None, None)
+    assert "no decision is stated for c = 0.1 kg/s; measure at 8 speeds or more" in decision.statement, decision
+    rows = [ByLaw("exponential", 1.0, 2.0, 0.0)]
+    alone = Averaged.of(rows, {}, speeds=3, dof=0.0, unknown=0.0)
+    nothing = Decision.of_measured(0.1, 0.0, alone)
+    assert (nothing.below, nothing.probability, nothing.range) == (None, None, None)
+    assert "no law has fewer parameters" in nothing.statement
+    with pytest.raises(ss.InputError, match="no law has fewer parameters than the 3 speeds"):
+        alone.above(0.1)
+
+
+def test_laws_that_disagree_decide_nothing():
+    rows = (ByLaw("one", 0.5, 1.0, 0.01), ByLaw("other", 0.5, 2.0, 0.01))
+    averaged = Averaged.of(rows, {}, speeds=5, dof=2.0, unknown=0.0)
+    decision = Decision.of_measured(1.5, 0.0, averaged)
+    assert (decision.below, decision.probability) == (None, None)
+    assert "which do not agree: P < 0.01 to P > 0.99 that c = 1.5 kg/s is below it" in decision.statement
+    assert Decision.of_measured(0.5, 0.0, averaged).below is True
+    assert Decision.of_measured(2.5, 0.0, averaged).below is False
+
+
+def test_laws_without_a_threshold_may_say_anything():
+    rows = (ByLaw("one", 0.8, 1.0, 0.01),)
+    known, half = (Averaged.of(rows, {}, speeds=20, dof=15.0, unknown=unknown) for unknown in (0.0, 0.2))
+    assert Decision.of_measured(0.5, 0.0, known).below is True
+    assert Decision.of_measured(0.5, 0.0, half).below is None
+
+
+@given(st.floats(1, 40), st.floats(0.01, 3), st.floats(0.01, 3), st.floats(-4, 4), st.integers(0, 2**32 - 1))
+def test_probabilities_are_those_of_samples(dof, of_fit, of_point, distance, seed):
+    """A Student variable of the fit and a normal one of the operating point, whichever is wider."""
+    row = ByLaw("one", 1.0, distance, float(np.hypot(of_fit, of_point)), of_point)
+    averaged = Averaged.of([row], {}, speeds=9, dof=dof, unknown=0.0)
+    rng = np.random.default_rng(seed)
+    samples = distance + of_fit * rng.standard_t(dof, 20_000) + of_point * rng.normal(size=20_000)
+    share = np.mean(samples > 0)
+    assert averaged.above(0.0) == pytest.approx(share, abs=4 * 0.5 / 20_000**0.5)
+    low, high = averaged.interval()
+    assert np.mean((samples > low) & (samples < high)) == pytest.approx(0.95, abs=0.01)
+
+
+@pytest.mark.parametrize(("seed", "count", "exponent"), [(1, 6, -1.3), (2, 9, 1.7)])
+def test_order_and_units_of_rows_change_nothing(seed, count, exponent):
+    v, mu = measured(count, seed)
+    laws, scale = ["linear", "exponential", "tanh"], 10**exponent
+    plain = {fit.name: fit.weight for fit in ss.fit(v, mu, laws=laws)}
+    mixed = np.random.default_rng(seed).permutation(count)
+    for rows in ((v[mixed], mu[mixed]), (scale * v, mu), (np.r_[v, v], np.r_[mu, mu])):
+        assert {fit.name: fit.weight for fit in ss.fit(*rows, laws=laws)} == pytest.approx(plain, abs=1e-4)
+
+
+def test_one_law_under_two_names_weighs_once():
+    v, mu = measured(12, 3)
+    twice = ss.FrictionLaw("b + a*exp(-v/w)", name="twice")
+    laws = ["linear", "exponential", "hyperbolic"]
+    once, both = ss.fit(v, mu, laws=laws), ss.fit(v, mu, laws=[*laws, twice])
+    assert both["exponential"].weight == pytest.approx(both["twice"].weight, rel=1e-6)
+    assert both["exponential"].weight + both["twice"].weight == pytest.approx(once["exponential"].weight, rel=1e-4)
+    first, second = once.average(slope), both.average(slope)
+    assert (first.value, first.dof) == (pytest.approx(second.value, rel=1e-6), pytest.approx(second.dof))
+
+
+def test_a_law_that_nobody_needs_changes_little():
+    v, mu = measured(8, 4)
+    without = decided(v, mu, 2.3, ["exponential", "hyperbolic"])
+    beside = decided(v, mu, 2.3, ["exponential", "hyperbolic", "coulomb", "linear"])
+    assert beside.probability == pytest.approx(without.probability, abs=0.01)
+    assert beside.value == pytest.approx(without.value, rel=1e-3)
+
+
+@sweep(("count", "sets"), [(5, 10), (6, 10), (8, 10), (5, 400), (8, 400), (16, 400)], (5, 10), (6, 10), (8, 10))
+def test_intervals_of_few_rows_hold_the_truth(count, sets):
+    """At 90 % of sets or more, so far as so many sets can tell; and no confident decision is wrong."""
+    rng, held, wrong = np.random.default_rng(count), 0, 0
+    for seed in range(sets):
+        name = str(rng.choice(LAWS))
+        true = float(slope(ss.laws[name].typical()).value)
+        c = true * rng.uniform(0.7, 1.3)
+        decision = decided(*measured(count, seed, name=name), c)
+        low, high = decision.range
+        held += low <= true <= high
+        sure = decision.below is not None and not 0.01 <= decision.probability <= 0.99
+        wrong += sure and decision.below != (c < true)
+    assert binomtest(held, sets, 0.9, alternative="less").pvalue > 1e-3
+    assert binomtest(wrong, sets, 0.01, alternative="greater").pvalue > 1e-3
+
+
+@sweep(("count", "least"), [(6, 0.1), (8, 0.4), (12, 0.8)], (8, 0.4))
+def test_a_law_that_does_not_describe_few_rows_is_said(count, least):
+    """In the share of sets that was counted, with about one false alarm in a hundred."""
+    said = {"linear": 0, "exponential": 0}
+    for seed in range(20):
+        for fit in ss.fit(*measured(count, seed, noise=0.008), laws=list(said)):
+            said[fit.name] += any("residuals follow the speed" in text for text in fit.warnings)
+    assert said["linear"] >= least * 20
+    assert binomtest(said["exponential"], 20, 0.01, alternative="greater").pvalue > 1e-3
+
+
+def test_studies_say_one_thing_of_few_rows():
+    """Headline, verdict, page and JSON take the decision from one object."""
+    from stickslip_sym.output.content import content
+
+    fits = ss.fit(*FIVE, laws=["exponential", "exponential_viscous", "linear"])
+    osc = ss.Oscillator(m=1, k=100, c=0.5, **POINT)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ss.InputWarning)
+        study = ss.study(fits, osc, time_limit=300)
+    assert study.headline == f"There is stick-slip from every initial condition: {study.decision.statement}."
+    assert "P > 0.99" in study.headline
+    shown = content(study)
+    assert shown["probability"] == shown["decision"]["probability"] == study.probability
+    assert shown["decision"]["below"] is True
+    assert shown["margins"]["probability"] is None
+    assert study.needed == (study.decision.value, study.decision.standard_error)
