@@ -5,6 +5,7 @@ import math
 from stickslip_sym.core.deadline import is_late
 from stickslip_sym.model.table import Rise
 from stickslip_sym.motion.compiled import compilable, inlined
+from stickslip_sym.motion.kernel.creeping import creeps
 from stickslip_sym.motion.kernel.data import (
     PRECISE,
     ULP,
@@ -21,7 +22,7 @@ from stickslip_sym.motion.kernel.data import (
     Wedge,
 )
 from stickslip_sym.motion.kernel.events import land
-from stickslip_sym.motion.kernel.forces import entered, interval, rate_at, rise_at, slope_at
+from stickslip_sym.motion.kernel.forces import entered, interval, rate_at, rise_at, slope_at, standing
 from stickslip_sym.motion.kernel.steps import AMPLIFIED, stepped
 
 _LONGEST_STEP = 0.25  # explicit; at twice that what a step is off shows in thresholds
@@ -72,6 +73,9 @@ def follow(
             branch = entered(rise, segment, rising, state.w)
             state = _at_rate(state, rate_at(branch, field, state.q, state.w))
         end = _interruption(state.tau, taken, stop)
+        is_asked = taken % _LOOK == _LOOK - 1 and field.side > 0.0 and not recorded
+        if is_asked and stop.horizon == math.inf and creeps(rise, field, state.q, state.w):
+            end = End.REST
         if end != End.OPEN:
             break
         border = rise.levels[segment + 1] if rising else rise.levels[segment]
@@ -278,17 +282,19 @@ def _at_rate(state: State, rate: float) -> State:
 def _is_rest(rise: Rise, field: Field, state: State, rising: bool, rtol: float) -> bool:
     """Whether a mass with w near 1 is at rest within the tolerance, and stays there.
 
-    Where two segments of the law meet at rest, a motion may come to it in swings over both, where deviations decay
-    on the mean, or creep to it on one side, where that side has real exponents below 0.
+    Where two segments of the law meet at rest without a jump, a motion may come to it in swings over both, where
+    deviations decay on the mean; or creep to it on one side, where that side has real exponents below 0.
     """
     eta, push, side, damping = field
     q, w = state.q, state.w
     if side < 0.0 or rise.levels[-1] <= 1.0 + _BESIDE:
         return False
     whole = Branch(rise.pieces, 0, rise.firsts[-1] - 1, 0)
-    lifted = eta * rise_at(whole, 1.0)
-    faster = (eta * rise_at(whole, 1.0 + _BESIDE) - lifted) / _BESIDE + damping
-    slower = (lifted - eta * rise_at(whole, 1.0 - _BESIDE)) / _BESIDE + damping
+    above, below = eta * standing(rise.pieces, True), eta * standing(rise.pieces, False)
+    faster = (eta * rise_at(whole, 1.0 + _BESIDE) - above) / _BESIDE + damping
+    slower = (below - eta * rise_at(whole, 1.0 - _BESIDE)) / _BESIDE + damping
+    is_slower = w < 1.0 or (w == 1.0 and rising)
+    lifted = below if is_slower else above
     rest = damping - push + lifted
     fastest = max(abs(faster), abs(slower))
     noise = ULP * max(max(abs(push), abs(lifted)), max(abs(rest), abs(damping)))
@@ -297,5 +303,5 @@ def _is_rest(rise: Rise, field: Field, state: State, rising: bool, rtol: float) 
     close = _REST_WITHIN * (rtol + noise)
     if abs(w - 1.0) > close or abs(q - rest) > close * max(1.0, abs(rest)):
         return False
-    decay = slower if w < 1.0 or (w == 1.0 and rising) else faster
-    return bool(faster + slower > 0.0 or decay >= _CREEP)
+    decay = slower if is_slower else faster
+    return bool((above == below and faster + slower > 0.0) or decay >= _CREEP)

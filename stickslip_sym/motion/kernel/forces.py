@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from stickslip_sym.model.table import Rise
+from stickslip_sym.model.table import Pieces, Rise
 from stickslip_sym.motion.compiled import compilable, inlined
 from stickslip_sym.motion.kernel.data import ULP, Branch, Field, Wedge
 
@@ -58,6 +58,15 @@ def rate_at(branch: Branch, field: Field, q: float, w: float) -> float:
 def rise_at(branch: Branch, w: float) -> float:
     """Return mu(V w) - mu(0+), which is -w' where nothing but friction acts, with eta = 1."""
     return -rate_at(branch, Field(1.0, 0.0, 0.0, 0.0), 0.0, w)
+
+
+@compilable
+def standing(pieces: Pieces, above: bool) -> float:
+    """Return a rise where the mass stands still, w = 1: its limit from slip speeds above, or from below."""
+    at = interval(pieces, 0, len(pieces) - 1, 0, 1.0)
+    if not above and at > 0 and pieces[at][0] == 1.0:
+        at -= 1
+    return rise_at(Branch(pieces, at, at, at), 1.0)
 
 
 @compilable

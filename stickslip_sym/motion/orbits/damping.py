@@ -159,7 +159,7 @@ class NeededDamping:
         return float(brentq(off, low, 1.0, xtol=_CLOSE)) if off(low) < 0 < off(1.0) else low
 
     def _highest(self, A: float) -> float:
-        """Return the highest slip speed of an orbit, over V; infinite where it is not known."""
+        """Return what the highest slip speed of an orbit is at most, over V: infinite where it is not known."""
         system = self.system
         damping = self._values(np.array([A])).at(0)
         if isinstance(damping, Unknown) or math.isinf(damping):

@@ -39,7 +39,7 @@ import numpy as np
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
-from stickslip_sym.model.table import Pieces, Rise
+from stickslip_sym.model.table import Rise
 from stickslip_sym.motion.compiled import compilable, is_compiling, is_ready
 from stickslip_sym.motion.kernel.data import (
     MOST_STEPS,
@@ -54,8 +54,7 @@ from stickslip_sym.motion.kernel.data import (
     no_wedge,
 )
 from stickslip_sym.motion.kernel.follow import follow
-from stickslip_sym.motion.kernel.forces import interval, rise_at
-from stickslip_sym.motion.orbits.creeping import creeps
+from stickslip_sym.motion.kernel.forces import rise_at, standing
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.numerics.known import Column, Unknown
 
@@ -71,7 +70,6 @@ _COARSE = 1e-5  # tolerance of steps that show the sign of a gap far from 0, the
 _STIFF = 1e-9  # the same where friction is strong
 _ROUGH = 1e-4  # gap above which these steps show its sign
 _LOOSEST = 1e-6  # tolerance of steps in a search
-_MANY_STEPS, _MORE_STEPS = 200, 4  # of a half, until it is asked whether it creeps, and times as many until again
 _FINER = 0.01  # times the tolerance, where it did not give the accuracy that is wanted
 _SHARE = 0.03  # of the error of the damping ratio that is wanted, a tolerance; and of that, its relative error
 _EVEN_SHARE = 1e-3  # of the relative error that is wanted, at most; all of it where friction is strong
@@ -91,7 +89,7 @@ class Outcome(IntEnum):
     """What becomes of a half."""
 
     RETURNS = 0  # it comes to w = 1
-    CREEPS = 1  # it comes within the tolerance of rest: to w = 1 never, or with a rate below all others
+    CREEPS = 1  # it is shown to tend to rest, or comes so near that at w = 1 its rate is below all others
     LEAVES = 2  # it comes to where the table of the law ends
     UNKNOWN = 3  # it takes too many steps, or none is short enough
 
@@ -137,33 +135,12 @@ class Needed(NamedTuple):
 
 
 @compilable
-def _standing(pieces: Pieces, above: bool) -> float:
-    """Return a rise where the mass stands still, w = 1: its limit from slip speeds above, or from below."""
-    at = interval(pieces, 0, len(pieces) - 1, 0, 1.0)
-    if not above and at > 0 and pieces[at][0] == 1.0:
-        at -= 1
-    return rise_at(Branch(pieces, at, at, at), 1.0)
-
-
-@compilable
 def _followed(
     rise: Rise, field: Field, begin: State, until: int, level: float, wedge: Wedge, rtol: float
 ) -> tuple[Outcome, State]:
-    """Follow a slip to its maximum, or to a level, however long that takes.
-
-    One that takes many steps is asked on the way whether it is shown to creep to rest.
-    """
-    tau, state, most, end = 0.0, begin, _MANY_STEPS, End.STEPS
-    while end == End.STEPS and most <= MOST_STEPS:
-        if most > _MANY_STEPS and creeps(rise, field, state.q, state.w):
-            end = End.REST
-        else:
-            start = State(0.0, state.q, state.w, 1.0, 0.0, state.wedge)
-            stop = Stop(until, level, math.inf, most, 0)
-            end, state, _, _ = follow(rise, field, 0.0, start, stop, wedge, rtol, False)
-            tau += state.tau
-        most *= _MORE_STEPS
-    state = State(tau, state.q, state.w, 1.0, state.rate, state.wedge)
+    """Follow a slip to its maximum, or to a level, however long that takes."""
+    stop = Stop(until, level, math.inf, MOST_STEPS, 0)
+    end, state, _, _ = follow(rise, field, 0.0, begin, stop, wedge, rtol, False)
     outcome = Outcome.UNKNOWN
     if end == until:
         outcome = Outcome.RETURNS
@@ -189,7 +166,7 @@ def halves(
     w = 1.0 - A
     at_rest = 0.0
     if rise.levels[-1] > 1.0:
-        at_rest = eta * _standing(pieces, True)
+        at_rest = eta * standing(pieces, True)
     # q is the displacement from rest: near w = 1 its errors are to be small beside that.
     rest = 2.0 * zeta - push + at_rest
     graze = 2.0 * zeta * w - push + eta * rise_at(Branch(pieces, 0, len(pieces) - 1, 0), w) - rest
@@ -213,7 +190,7 @@ def halves(
     back = Half(outcome, -state.rate, state.wedge, w, state.tau)
 
     if ahead.outcome == Outcome.RETURNS and back.outcome == Outcome.RETURNS:
-        jump = eta * (_standing(pieces, True) - _standing(pieces, False))
+        jump = eta * (standing(pieces, True) - standing(pieces, False))
         if jump < 0.0 and ahead.rate < 0.0:
             ahead = _across(ahead, jump)
         elif jump > 0.0 and back.rate < 0.0:
@@ -242,10 +219,10 @@ def gap(rise: Rise, eta: float, zeta: float, push: float, A: float, rtol: float,
         return Gap(-math.inf, 0.0, False, math.inf)
     if not (arrives and came):
         return Gap(math.nan, 0.0, False, math.inf)
-    lifted = _standing(rise.pieces, True)
+    lifted = standing(rise.pieces, True)
     b = wedge.constant + wedge.linear
     if wedge.factor != 0.0:
-        b += wedge.factor * _standing(wedge.pieces, lifted >= _standing(rise.pieces, False))
+        b += wedge.factor * standing(wedge.pieces, lifted >= standing(rise.pieces, False))
     slope = (b - ahead.wedge / r_f) / r_f - (b - back.wedge / r_b) / r_b
     rounding = ROUNDING * (1.0 + (abs(eta * lifted) + abs(push) + abs(zeta)) / abs(r_f))
     return Gap(math.log(r_f / r_b), slope, False, rounding)
@@ -401,18 +378,16 @@ def _slope_all(rise: Rise, columns: Any, rtol: float, wedge: Wedge, rows: Any) -
 
 @compilable
 def highest_all(rise: Rise, columns: Any, rtol: float, rows: Any) -> None:
-    """Find the highest slip speeds over V of many orbits, from eta, zeta and A.
+    """Find what the highest slip speeds over V of many orbits are at most, from eta, zeta and A.
 
-    They are infinite where an orbit leaves the table, and NaN where it is lost.
+    That is infinite where an orbit leaves the table, or is lost.
     """
     eta, zeta, A = columns
     for i in range(len(A)):
         ahead, _ = halves(rise, eta[i], zeta[i], 0.0, A[i], rtol, no_wedge(rise), 0.0)
         rows[i, 0] = ahead.highest
-        if ahead.outcome == Outcome.LEAVES:
+        if ahead.outcome in (Outcome.LEAVES, Outcome.UNKNOWN):
             rows[i, 0] = math.inf
-        elif ahead.outcome == Outcome.UNKNOWN:
-            rows[i, 0] = math.nan
 
 
 @compilable

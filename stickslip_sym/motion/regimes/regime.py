@@ -329,7 +329,14 @@ class Regime(drawing.Drawn):
             if mark.kind == "open":
                 low, high = (osc.onset(law) + osc.length * q for q in (mark.low, mark.high))
                 words.append(f"whether limit cycles overtake the belt from x = {low:.6g} to {high:.6g} m on")
+        if self._misses_an_attractor:
+            words.append("motions stay within bounds and lose energy, but what they come to was not found")
         return tuple(words)
+
+    @property
+    def _misses_an_attractor(self) -> bool:
+        """Whether none was found though there is one: with damping, and motions far out that do not grow."""
+        return not self.attractors and self.oscillator.c > 0 and not self.unbounded
 
     @cached_property
     def basins(self) -> tuple[Motion, ...] | None:
@@ -412,7 +419,14 @@ class Regime(drawing.Drawn):
     @property
     def _notes(self) -> list[str]:
         """What is said besides the attractors."""
-        words = [] if self.attractors else ["no attractor"]
+        words = list[str]()
+        if not (self.attractors or self._misses_an_attractor):
+            words.append("no attractor")
+        if self.law.bound.static == 0 and self.oscillator.N > 0:
+            words.append(
+                "mu(0) = 0: static friction holds nothing, and the mass slips slowly where it would stick by the "
+                "law without this regularisation"
+            )
         if self.unbounded:
             words.append("motions far out grow without bound: damping and friction feed them")
         return [*words, *(f"undecided: {text}" for text in self.undecided)]

@@ -16,11 +16,14 @@ from stickslip_sym.model.expression.pieces import places, rate
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import Pieces
-from stickslip_sym.motion.kernel.data import TIGHT, End, Wedge, no_wedge
+from stickslip_sym.motion.kernel.data import ADDED, TIGHT, End, Wedge, no_wedge
 from stickslip_sym.motion.orbits.needed import PARTED, gap, gap_slope, needed_ratio
 from stickslip_sym.motion.slip import Dimensionless
 
 _BEYOND = 1.5  # times the highest slip speed, up to which a derivative of the law is tabulated: steps try further
+_FAR = 10.0  # errors from a threshold at which the fate of the slip from P is asked for
+_ADDED = ADDED * TIGHT  # relative error of a slip as a whole
+_MOST_STEPS = 2000  # of such a slip: the search for a threshold takes about as many
 _SAME = 1e-8  # relative distance of two slip speeds that are one, as the highest and one at which mu jumps
 
 
@@ -31,11 +34,40 @@ def grazing_damping(law: BoundLaw, osc: Oscillator, *, rtol: float, fast: bool =
     - `rtol`: relative error that is wanted.
     - `fast`: compiled where numba is there, for many dampings.
 
-    The damping is negative where the slip does not return without any. Raises as `needed_ratio`.
+    The damping is negative where the slip does not return without any. One that is not computed among many is
+    confirmed by the slip from P, which returns with a little less of it, and does not with a little more.
+
+    Raises as `needed_ratio`, and `NotConverged` where the slip does something else.
     """
-    zeta, error = needed_ratio(Dimensionless.of(law, osc), rtol=rtol, fast=fast)
+    system = Dimensionless.of(law, osc)
+    zeta, error = needed_ratio(system, rtol=rtol, fast=fast)
     unit = 2 * osc.impedance
+    if not fast:
+        _confirm(system, zeta, _FAR * error)
     return zeta * unit, error * unit
+
+
+def _confirm(system: Dimensionless, zeta: float, off: float) -> None:
+    """Follow the slip from P at damping ratios on both sides of the threshold.
+
+    They are as far from it as the errors of the slip itself, whose steps are not those of the two halves. One that
+    takes many steps, as where it creeps to rest, neither confirms nor refutes.
+    """
+    largest = abs(zeta) + abs(system.push(1)) + abs(system.eta * system.table.rise(system.V))
+    off = max(off, _ADDED * largest)
+    if off == 0.0:  # nothing but the spring acts, and all orbits are closed
+        return
+    fates = ((zeta - off, (End.MINIMUM, End.REST), "does not return"), (zeta + off, (End.RETURN,), "returns"))
+    for ratio, refuting, does in fates:
+        beside = replace(system, zeta=ratio)
+        slip = beside.slip(0.0, 0.0, until=End.MINIMUM, level=1.0, most=_MOST_STEPS)
+        check_time()
+        if slip.end in refuting:
+            raise NotConverged(
+                f"two ways to the threshold disagree at eta = {system.eta:g} and V = {system.V:g} m/s: both "
+                f"halves of the grazing orbit meet at the damping ratio {zeta:.10g}, but at {ratio:.10g} the slip "
+                f"from P {does} to the belt's speed; try another rtol"
+            )
 
 
 def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from operating_points import paper_oscillator
 
 import stickslip_sym as ss
+from stickslip_sym.motion.kernel.creeping import creeps, slope_bounds
 from stickslip_sym.motion.kernel.data import TIGHT, End, no_wedge
 from stickslip_sym.motion.orbits import needed
-from stickslip_sym.motion.orbits.creeping import creeps, slope_bounds
 from stickslip_sym.motion.orbits.needed import Outcome, damping_ratios, gap, halves, needed_ratio
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.numerics.known import Unknown

@@ -10,7 +10,7 @@ from operating_points import TWO, paper_oscillator
 import stickslip_sym as ss
 from stickslip_sym import Motion, Phase
 from stickslip_sym.motion.orbits.cycles import LimitCycle
-from stickslip_sym.motion.regimes.regime import Rest
+from stickslip_sym.motion.regimes.regime import Regime, Rest
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle
 
 KINKED = ss.FrictionLaw("Max(0.5 - 0.4*v, 0.25)")
@@ -233,3 +233,22 @@ def test_a_cycle_that_overtakes_attracts(exponent, height):
     run = ss.simulate(law, osc, t_end=10 * cycle.period, x0=0.0, v0=height * osc.V, rtol=1e-12)
     *_, before, last = np.diff([event.x for event in run.events][::2])  # where each round passes the belt's speed
     assert last / before == pytest.approx(math.exp(cycle.floquet * cycle.period), rel=0.01)
+
+
+@pytest.mark.parametrize("factor", ["tanh(v/1e-3)", "v/sqrt(v^2 + 1e-6)"])
+def test_a_regularised_law_says_that_it_holds_nothing(factor):
+    law = ss.FrictionLaw(f"(0.2 + 0.3*exp(-3*v))*{factor}")
+    found = ss.regime(law, paper_oscillator(1.0))
+    assert "mu(0) = 0" in str(found)
+    assert any(isinstance(one, LimitCycle) for one in found.attractors)
+    assert "mu(0) = 0" not in str(ss.regime(ss.laws.exponential.typical(), paper_oscillator(1.0)))
+
+
+def test_no_attractor_is_never_said_where_motions_lose_energy(monkeypatch):
+    """With damping and friction something attracts: if nothing was found, that is what is said."""
+    monkeypatch.setattr(Regime, "attractors", ())
+    found = Regime(ss.laws.exponential.typical(), paper_oscillator(1.0), 1e-12)
+    assert "no attractor" not in str(found)
+    assert "was not found" in str(found)
+    free = Regime(ss.laws.exponential.typical(), paper_oscillator(-50.0), 1e-12)
+    assert "no attractor" in str(free)

@@ -16,7 +16,7 @@ import math
 from stickslip_sym.model.table import Rise
 from stickslip_sym.motion.compiled import compilable
 from stickslip_sym.motion.kernel.data import Branch, Field
-from stickslip_sym.motion.kernel.forces import rise_at, slope_at
+from stickslip_sym.motion.kernel.forces import slope_at, standing
 
 _PARTS = 8  # of an interval of the table, on each of which a slope is bounded
 
@@ -25,23 +25,13 @@ _PARTS = 8  # of an interval of the table, on each of which a slope is bounded
 def creeps(rise: Rise, field: Field, q: float, w: float) -> bool:
     """Whether a state is shown to tend to rest; False says nothing."""
     low, high = min(w, 1.0), max(w, 1.0)
-    x, displacement = w - 1.0, q + _force_at_rest(rise, field, w > 1.0)
+    x, at_rest = w - 1.0, field.eta * standing(rise.pieces, w > 1.0)
+    displacement = q + field.push - field.damping - at_rest
     if displacement * x <= 0.0 or high > rise.levels[-1] or _jumps(rise, low, high):
         return False
     least, most = slope_bounds(rise, low, high)
     K = field.damping + min(field.eta * least, field.eta * most)
     return K > 2.0 and abs(displacement) * (K + math.sqrt(K * K - 4.0)) > 2.0 * abs(x)
-
-
-@compilable
-def _force_at_rest(rise: Rise, field: Field, above: bool) -> float:
-    """Return w' at w = 1 and q = 0."""
-    pieces = rise.pieces
-    at = 0
-    for i in range(len(pieces)):
-        if pieces[i][0] < 1.0 or (above and pieces[i][0] == 1.0):
-            at = i
-    return field.push - field.damping - field.eta * rise_at(Branch(pieces, at, at, at), 1.0)
 
 
 @compilable
