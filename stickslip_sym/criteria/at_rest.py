@@ -50,7 +50,7 @@ class Decay:
 
 @dataclass(frozen=True)
 class DecayInLogarithm:
-    """exp(P(log(v))), P a polynomial of degree 2 or more that falls without bound at rest, as of log-normal laws."""
+    """exp(P(log(v))), P a polynomial of degree 2 or more falling without bound at rest: a log-normal law."""
 
     coefficients: tuple[arb, ...]
 
@@ -74,7 +74,7 @@ class DecayInLogarithm:
 
 
 def _in_logarithm(node: Expr, point: Mapping[Expr, Expr | acb]) -> DecayInLogarithm | None:
-    """Return an exponential as one of a polynomial in log(v) that falls without bound at rest; None for another."""
+    """Return an exponential of a polynomial in log(v) that falls without bound at rest; None for another."""
     if not node.exp.has(sp.log):
         return None
     logarithm = sp.log(symbols.v)
@@ -90,7 +90,7 @@ def _in_logarithm(node: Expr, point: Mapping[Expr, Expr | acb]) -> DecayInLogari
 
 
 def start_of(mu: Expr, point: Mapping[Expr, Expr | acb], reach: arb, bits: int) -> arb | None:
-    """Return a speed below which what vanishes faster than any power counts for nothing; None where nothing does."""
+    """Return a speed below which what vanishes faster than any power counts for nothing; None without such."""
     decay = decay_at_rest(mu, point)
     logarithmic = [_in_logarithm(node, point) for node in mu.atoms(sp.exp)]
     starts = [one.below(reach, bits) for one in logarithmic if one is not None]

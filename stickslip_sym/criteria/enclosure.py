@@ -292,15 +292,18 @@ def average_ball(
     panels = zip(parts, pairwise(ends), strict=True)
     total = scale * reduce(add, [integrated(integrand(part), *panel) for part, panel in panels])
     low, high = criterion.ends
-    if (start := start_of(vanished, point, reach, ctx.prec)) is not None:
+    bits = ctx.prec
+    if (start := start_of(vanished, point, reach, bits)) is not None:
         start = start.min(places[0].lower() / 2) if places else start
-        share = start / speed if criterion.is_polynomial else (start / reach).sqrt().asin()
-        most = abs(scale.real) * bound_below(vanished, point, start) * share * _largest(criterion)
-        part = ball_function(vanished, symbols.v, point)
-        # The absolute tolerance is that of values that may be as small as here at the end.
-        size = abs(part(acb(places[0] if places else reach), False)) * arb(2) ** -ctx.prec
-        total += scale * integrated(integrand(part), ends[0] + share, ends[1], abs_tol=size.lower())
-        total += acb(arb(0, most.abs_upper()) if most.is_finite() else arb.nan())
+        # The variable tells the start from its end, where it is 1 + s and the start is far lower.
+        with working_precision(ctx.prec + max(0, math.ceil(float((reach / start).log()) / math.log(2)))):
+            share = start / speed if criterion.is_polynomial else (start / reach).sqrt().asin()
+            most = abs(scale.real) * bound_below(vanished, point, start) * share * _largest(criterion)
+            part = ball_function(vanished, symbols.v, point)
+            # The absolute tolerance is that of values that may be as small as here at the end.
+            size = abs(part(acb(places[0] if places else reach), False)) * arb(2) ** -bits
+            total += scale * integrated(integrand(part), ends[0] + share, ends[1], abs_tol=size.lower())
+            total += acb(arb(0, most.abs_upper()) if most.is_finite() else arb.nan())
         if high != 0 and len(parts) == 1:
             total -= ball(high) * part(2 * V, False)
     if low != 0:
