@@ -21,6 +21,7 @@ from stickslip_sym.certificates.coq.words import (
     functions_of,
     in_units_of_range,
     places_of,
+    require_regular,
     roots_of,
     square_free,
     without_squares,
@@ -129,6 +130,7 @@ class Integral(Script):
         expr = average._in_shapes(_divided(integral.function, kernel))
         parts = step.by.parts(average._in_shapes(integral.function), sp.S.Zero, 2 * V)
         primitives, _, lows, highs = zip(*parts, strict=True)
+        require_regular(self.u, *map(words, (*primitives, *pieces_of(expr)[0])), at_rest=True)
         return Profile(
             label,
             average.shapes,

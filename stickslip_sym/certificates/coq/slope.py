@@ -13,6 +13,7 @@ from stickslip_sym.certificates.coq.words import (
     denominators,
     place_of,
     places_of,
+    require_regular,
     roots_of,
     square_free,
 )
@@ -51,6 +52,7 @@ class Slope(Script):
         """Prove the slope for a belt speed on one side of each place."""
         piece, value = _on(mu, below, self.v), _on(c, below, V)
         here = piece.xreplace({self.v: V})
+        require_regular(self.v, piece, at_rest=False)
         generators = Generators([here, value])
         roots = [node.args[0].xreplace({self.v: V}) for node in piece.atoms(sp.asinh)]
         moves = ["rewrite ?Ropp_involutive", *self.one_roots(square_free(y**2 + 1) for y in roots)]

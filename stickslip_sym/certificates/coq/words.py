@@ -275,3 +275,42 @@ def places_of(expr: Expr, speed: Expr) -> list[Expr]:
 def depth(node: Expr) -> int:
     """Return how many functions stand one within another."""
     return max(map(depth, node.args), default=0) + isinstance(node, sp.Function)
+
+
+# -- what the tactics cannot prove -------------------------------------------------------------------
+
+
+def require_regular(speed: Expr, *exprs: Expr, at_rest: bool) -> None:
+    """Refuse formulas whose logarithms, roots or quotients are not known to exist at all slip speeds.
+
+    The tactic for positivity knows the signs of letters, and quadratic polynomials with numbers for coefficients.
+    """
+    for node in {node for expr in exprs for node in sp.preorder_traversal(expr) if node.has(speed)}:
+        name, inside = node.func.__name__, node.args[0] if node.args else node
+        if at_rest and name == "power" and not node.args[0].is_positive:
+            raise Unsupported(
+                f"a script in Coq has no power of v whose exponent {node.args[0]} may not be positive"
+            )
+        is_quotient = node.is_Pow and node.exp.is_Integer and node.exp.is_negative
+        if (name in ("log", "Rpower") or is_quotient) and not _is_positive(inside, speed, at_rest):
+            raise Unsupported(f"a script in Coq cannot tell that {_shown(inside)}, in {_shown(node)}, is positive")
+        if name == "sqrt" and not (_is_positive(inside, speed, at_rest) or inside.is_nonnegative):
+            raise Unsupported(f"a script in Coq cannot tell that {_shown(inside)} is not negative")
+
+
+def _is_positive(expr: Expr, speed: Expr, at_rest: bool) -> bool:
+    """Tell whether an expression is positive by its signs, from rest on, or as a quadratic with numbers."""
+    if at_rest and expr.subs(speed, 0) == 0:
+        return False
+    if any(form.is_positive for form in (expr, sp.expand(expr))):
+        return True
+    if expr.is_Mul or (expr.is_Pow and expr.exp.is_Integer):
+        return all(_is_positive(factor.as_base_exp()[0], speed, at_rest) for factor in sp.Mul.make_args(expr))
+    if not expr.is_polynomial(speed) or sp.degree(expr, speed) != 2:
+        return False
+    a, b, c = sp.Poly(expr, speed).all_coeffs()
+    return bool(a.is_number and a.is_positive and (4 * a * c - b**2).is_positive)
+
+
+def _shown(expr: Expr) -> str:
+    return str(expr).replace("_u", "u")[:60]
