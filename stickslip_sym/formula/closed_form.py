@@ -43,6 +43,9 @@ _REMEDY = (
     "; or its value by quadrature: ",
     Call("stickslip_sym.quadrature.damping", "derive LAW"),
 )
+_FEW_TERMS = 3
+_SHORT = 60
+"""Sums of more terms, and of more operations, keep the shares of their terms apart."""
 _LINEAR = "a criterion is linear in mu, and a change of the unit of speed scales it"
 
 
@@ -96,15 +99,31 @@ class ClosedForm(SlopeAverage):
         """The damping coefficient c in kg/s, an expression in V, N and the law's parameters."""
         if self.general is not None:
             return with_numbers(self.general.expr, self.meanings)
+        if self._is_long:
+            return sp.Add(*self._tidied)
         return tidy(self._sum, self.law.expr, V)
+
+    @cached_property
+    def _is_long(self) -> bool:
+        """Whether the shares of the terms stay apart, as their sum over one denominator would be longer."""
+        return len(self._shares) > _FEW_TERMS and self._sum.count_ops() > _SHORT
+
+    @cached_property
+    def _tidied(self) -> list[Expr]:
+        """The share of each term as a person would print it."""
+        return [tidy(share, self.law.expr, V) for share in self._shares]
 
     @cached_property
     def _sum(self) -> Expr:
         """N sum_i amplitude_i/scale_i F_i(V/scale_i), as it stands."""
-        parts = [
+        return sp.Add(*self._shares)
+
+    @cached_property
+    def _shares(self) -> list[Expr]:
+        """N amplitude_i/scale_i F_i(V/scale_i) of each term."""
+        return [
             N * term.amplitude / term.scale * term.in_parameters(average.find()) for term, average in self.averages
         ]
-        return sp.Add(*parts)
 
     @cached_property
     def derivation(self) -> Derivation:
@@ -124,11 +143,14 @@ class ClosedForm(SlopeAverage):
         )
         for average in dict.fromkeys(average for _, average in self.averages):
             derivation.steps.extend(average.steps)
+        if self._is_long:
+            for share, tidied in zip(self._shares, self._tidied, strict=True):
+                derivation.equal("write the share of a term in short", "algebra", share, tidied)
         local = criterion.weight is None
         derivation.equal(
             "take the slope at the belt speed" if local else "add up the averages of the terms",
             "a small motion about it decays if c + N mu'(V) > 0" if local else _LINEAR,
-            self._sum,
+            sp.Add(*self._tidied) if self._is_long else self._sum,
             self.expr,
             shown=c,
         )

@@ -22,10 +22,10 @@ x = sp.Symbol("x", positive=True)
 POINT = sp.Rational(37, 29)
 
 NEW = {
-    "sinc": (
-        Function(sp.sinc, acb.sinc, analytic=True, bounded=True, in_laws=True,
-                 c="_sinc({})", python="np.sinc({}/np.pi)", octave="sinc({}/pi)"),
-        mpmath.sinc,
+    "fresnels": (
+        Function(sp.fresnels, acb.fresnel_s, analytic=True, bounded=True, in_laws=True, latex="S",
+                 c="_fresnels({})", python="_fresnels({})"),
+        mpmath.fresnels,
     ),
     "acosh": (
         Function(sp.acosh, acb.acosh, in_laws=True, latex=r"\operatorname{arcosh}", c="acosh",

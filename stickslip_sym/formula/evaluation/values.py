@@ -470,6 +470,7 @@ def reach_of(profile: Expr, point: Mapping[Expr, Expr]) -> float:
         for node in profile.atoms(sp.Pow)
         if node.base != symbols.v and not (node.exp.is_Integer and node.exp.is_positive)
     }
+    arguments |= {1 - node.args[0] ** 2 for node in profile.atoms(sp.asin, sp.acos)}
     return min((_first_zero(a, point) for a in arguments if a.has(symbols.v)), default=np.inf)
 
 

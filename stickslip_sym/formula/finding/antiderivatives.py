@@ -470,7 +470,7 @@ _RULES = (
     Rule("polynomial", (), _integral),
     Rule("partial fractions", None, _rational),
     Rule("repeated integrals", (tuple(kind for kind, row in FUNCTIONS.items() if row.ladder),), _ladder, degree=1),
-    Rule("integration by parts", ((sp.log, sp.atan, sp.asinh, sp.erf),), _by_parts),
+    Rule("integration by parts", ((sp.log, sp.atan, sp.asinh, sp.asin, sp.acos, sp.erf),), _by_parts),
     Rule("power", (sp.Pow,), _power),
     Rule("square root of a quadratic", (sp.Pow,), _root),
     Rule("Gaussian", (sp.exp,), _gaussian, degree=2),

@@ -111,7 +111,9 @@ def _vanishes(difference: Expr) -> bool:
     Functions in pieces whose places are the same take the same piece at every speed, and are replaced together. A
     function under an integral or a derivative takes more than one of its pieces, and stays.
     """
-    if normal_form(difference) == 0:
+    # What both sides have in common goes first: over one denominator it would be many times longer.
+    difference = sp.Add(*sp.Add.make_args(sp.expand_mul(difference)))
+    if difference == 0 or normal_form(difference) == 0:
         return True
     nodes = sorted(difference.atoms(sp.Piecewise), key=sp.count_ops)
     if not nodes or any(node.has(sp.Piecewise) for node in difference.atoms(*_BINDING)):

@@ -1,9 +1,10 @@
-"""Text to SymPy expressions, without ever evaluating text.
+r"""Text to SymPy expressions, without ever evaluating text.
 
 A formula is cut into tokens and read by recursive descent; what is not listed here, or in the table of functions,
 does not exist. What people type is read where it has one meaning: Greek letters, ``2mu_s``, ``alpha v``, ``√v``,
-``e^(-v)``, a left side ``mu(v) =``; for anything else the refusal says what to write. Limits on length, depth and
-the size of numbers keep the work that a short text can ask for small.
+``e^(-v)``, a left side ``mu(v) =`` or ``@(v)``, MATLAB's ``.*``, and the LaTeX of a paper, ``\frac{v}{v_{s}}``;
+for anything else the refusal says what to write. Limits on length, depth and the size of numbers keep the work
+that a short text can ask for small.
 """
 
 import keyword
@@ -31,11 +32,13 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 
 KINKED: dict[str, Callable[..., Expr]] = {
     "Abs": lambda x: larger(x, -x), "Min": lambda *parts: reduce(smaller, parts),
-    "Max": lambda *parts: reduce(larger, parts), "sign": sign,
+    "Max": lambda *parts: reduce(larger, parts), "sign": sign, "Heaviside": lambda x: (1 + sign(x)) / 2,
 }  # fmt: skip
 """The functions that make kinks; Min and Max take two arguments or more."""
 
-_ALIASES = {"abs": "Abs", "min": "Min", "max": "Max", "sgn": "sign", "piecewise": "Piecewise"}
+_ALIASES = {
+    "abs": "Abs", "min": "Min", "max": "Max", "sgn": "sign", "piecewise": "Piecewise", "heaviside": "Heaviside",
+}  # fmt: skip
 """Other names of what makes kinks; those of functions stand in their rows."""
 
 _INSTEAD = {
@@ -43,7 +46,6 @@ _INSTEAD = {
     "exp2": "2^x", "pow": "x^y", "cbrt": "x^(1/3)", "root": "x^(1/n)", "square": "x^2", "erfi": "erf and exp",
     "cosec": "1/sin(x)", "csc": "1/sin(x)", "sec": "1/cos(x)", "cot": "1/tan(x)", "frac": "a/b",
     "csch": "1/sinh(x)", "logistic": "1/(1 + exp(-x))", "sigmoid": "1/(1 + exp(-x))",
-    "Heaviside": "Piecewise((0, v < place), 1)", "heaviside": "Piecewise((0, v < place), 1)",
     "where": "Piecewise((formula, v < place), last formula)", "clip": "Min(Max(x, low), high)",
 }  # fmt: skip
 """Functions that are not read, with what to write for them."""
@@ -61,8 +63,14 @@ _LIBRARIES = ("np", "numpy", "math", "sp", "sympy", "scipy", "mpmath")
 _SIGNS = {
     "·": "*", "×": "*", "∙": "*", "⋅": "*", "∗": "*", "\\cdot": "*", "−": "-", "–": "-", "÷": "/", "**": "^",
     "∣": "|", "[": "(", "]": ")", "{": "(", "}": ")", "≤": "<=", "≥": ">=",
+    "\\times": "*", "\\le": "<=", "\\ge": ">=", ".*": "*", "./": "/", ".^": "^", "\\{": "(", "\\}": ")",
 }  # fmt: skip
 """Signs that have one meaning, with the plain ones."""
+_LETTERS_OF_GREEK = (
+    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau upsilon phi chi "
+    "psi omega Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega varepsilon vartheta varrho varphi"
+)
+_GREEK = frozenset(_LETTERS_OF_GREEK.split())
 _PLAIN = frozenset({*"+-*/^()|,.<>√", "<=", ">=", "=="})
 _RELATIONS = ("<", "<=", ">", ">=")
 _OPERATORS = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}
@@ -70,20 +78,32 @@ _BINDING = {"+": 1, "-": 1, "*": 2, "/": 2, "^": 4}
 """How tightly operators bind; a sign binds as a product."""
 _ADVICE = {":": ": write one formula, without assignments", "%": ": write a decimal number"}
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
-_LEFT_SIDE = re.compile(r"\s*\\?(?:mu|μ|µ)\s*(?:\(\s*v\s*\))?\s*=(?!=)")
+_ARGUMENT = r"(?:\\left)?\(\s*v\s*(?:\\right)?\)"
+_LEFT_SIDE = re.compile(
+    rf"\s*\$*\s*(?:\\?(?:mu|μ|µ)\s*(?:{_ARGUMENT})?\s*=(?!=))?\s*(?:@\s*{_ARGUMENT}|lambda\s+v\s*:)?"
+)
+_RIGHT_END = re.compile(r"[\s;$]*\Z")
+_UPRIGHT = r"\\(?:mathrm|text|mathit|operatorname)\s*\{[A-Za-z0-9]+\}"
+_INDEX = rf"_(?:\{{[A-Za-z0-9]+\}}|\{{\s*{_UPRIGHT}\s*\}}|\{{\\rm\s+[A-Za-z0-9]+\}}|{_UPRIGHT})"
+_COMMAND = re.compile(r"\\(?:mathrm|mathit|text|operatorname|rm|,|;|:|!| )|[_{}]|\s")
+"""What LaTeX has around the letters of a name."""
 _TOKEN = re.compile(
-    r"(?P<blank>\s+)"
+    r"(?P<blank>\s+|\\(?:left|right|[Bb]igg?[lr]?)(?![A-Za-z])|\\[,;:! ]|~)"
+    r"|(?P<fraction>\\[dt]?frac(?![A-Za-z]))"
     r"|(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?P<joined>[A-Za-z0-9_]*)"
-    r"|(?P<sign>\*\*|<=|>=|==|\\cdot)"
-    r"|(?P<name>\\?[A-Za-zͰ-Ͽµ_][A-Za-z0-9Ͱ-Ͽµ_]*)|(?P<raised>⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)|(?P<other>.)",
+    r"|(?P<sign>\*\*|<=|>=|==|\\cdot|\\times|\\le(?![A-Za-z])|\\ge(?![A-Za-z])|\\[{}]|\.[*/^])"
+    rf"|(?P<name>{_UPRIGHT}(?:{_INDEX})?"
+    r"|\\?[A-Za-zͰ-Ͽµ_][A-Za-z0-9Ͱ-Ͽµ]*(?:"
+    + _INDEX
+    + r"|[A-Za-z0-9Ͱ-Ͽµ_]*))|(?P<raised>⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)|(?P<other>.)",
     re.DOTALL,
 )
-_NUMBER = re.compile(r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,2})?")
+_NUMBER = re.compile(r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?0*[0-3]?\d{1,2})?")
 
 _MAX_LENGTH = 2000
 _MAX_DEPTH = 60
 _MAX_EXPONENT = 64
-_MAX_DIGITS = 60
+_MAX_DIGITS = 330  # of a number as it is written, that of a small double included
 _MAX_ARGUMENT = 1_000_000
 _MAX_KINKS = 40
 _MAX_BITS = 4096  # of a number that constant arithmetic may produce
@@ -94,7 +114,7 @@ _NOT_FINITE = frozenset({sp.zoo, sp.nan, sp.oo, -sp.oo})
 def taken() -> set[str]:
     """Return the names of functions and constants, which no parameter may have."""
     constants = [constant.name for constant in CONSTANTS.values() if constant.in_laws]
-    return {*in_laws(), "sqrt", "erfc", "Piecewise", *KINKED, *_ALIASES, *_INSTEAD, *constants}
+    return {*in_laws(), "sqrt", "erfc", "re", "sinc", "Piecewise", *KINKED, *_ALIASES, *_INSTEAD, *constants}
 
 
 def parse_expression(text: str, symbol: Callable[[str], Expr], described: Container[str] = ()) -> Expr:
@@ -134,9 +154,10 @@ class _Token:
 
 def _tokens(text: str) -> list[_Token]:
     """Return the tokens of a formula, the last one of the kind "end"."""
-    left = _LEFT_SIDE.match(text)
+    left, right = _LEFT_SIDE.match(text), _RIGHT_END.search(text)
+    start, stop = left.end() if left else 0, right.start() if right else len(text)
     tokens: list[_Token] = []
-    for match in _TOKEN.finditer(text, left.end() if left else 0):
+    for match in _TOKEN.finditer(text, start, max(start, stop)):
         position, word = match.start(), match[0]
         if match["number"]:
             tokens += _number_and_name(text, match)
@@ -145,6 +166,8 @@ def _tokens(text: str) -> list[_Token]:
             number = word.translate(_SUPERSCRIPTS)
             tokens += [_Token("sign", "-", position)] * number.startswith("-")
             tokens.append(_Token("number", number.removeprefix("-"), position))
+        elif match["fraction"]:
+            tokens.append(_Token("fraction", word, position))
         elif match["name"]:
             tokens.append(_Token("name", _name(text, position, word), position))
         elif match["blank"] is None:
@@ -181,11 +204,27 @@ def _number_and_name(text: str, match: re.Match[str]) -> list[_Token]:
 
 def _name(text: str, position: int, word: str) -> str:
     """Return a name with its Greek letters spelled out, and a function's in small letters as it is known."""
-    spelled = re.sub(r"[Ͱ-Ͽµ]", lambda letter: _greek(text, position, letter[0]), word.removeprefix("\\"))
+    plain, _, index = word.partition("_")
+    letters = _COMMAND.sub("", plain).removeprefix("\\")
+    if "{" in word or "\\" in index:
+        word_in_letters = f"{letters}_{_COMMAND.sub('', index)}" if index else letters
+    else:
+        word_in_letters = word.removeprefix("\\")
+    spelled = re.sub(r"[Ͱ-Ͽµ]", lambda letter: _greek(text, position, letter[0]), word_in_letters)
+    if word.startswith("\\"):
+        spelled = _command(text, position, spelled, is_letter="{" not in word.partition("_")[0])
     if spelled in _WORDS:
         _refuse(text, position, f"{spelled!r} is no part of a formula; {_WORDS[spelled]}")
     called = text[position + len(word) :].lstrip()[:1] == "("
     return spelled.lower() if called and spelled not in taken() and spelled.lower() in taken() else spelled
+
+
+def _command(text: str, position: int, spelled: str, *, is_letter: bool) -> str:
+    """Return the name that a command of LaTeX stands for: a Greek letter, a function, or what is set upright."""
+    letter = spelled.partition("_")[0]
+    if is_letter and letter not in _GREEK and letter.lower() not in {name.lower() for name in taken()}:
+        _refuse(text, position, f"the command {letter[:30]!r} is not known here; write the formula in plain names")
+    return "lambda_" + spelled.removeprefix("lambda") if letter == "lambda" else spelled.removeprefix("var")
 
 
 def _greek(text: str, position: int, letter: str) -> str:
@@ -205,8 +244,9 @@ class _Parser:
         self.alone = {one.text for one, after in pairwise(self.tokens) if one.kind == "name" and after.text != "("}
         self.place = self.depth = self.kinks = self.bars = 0
         self.functions: dict[str, Callable[..., Expr]] = {
+            "sinc": lambda x: sp.sin(x) / x,
             **{name: function.kind for name, function in in_laws().items()},
-            "erfc": lambda x: 1 - sp.erf(x), "sqrt": sp.sqrt, **KINKED,
+            "erfc": lambda x: 1 - sp.erf(x), "sqrt": sp.sqrt, "re": lambda x: x, **KINKED,
         }  # fmt: skip
         self.known = [*self.functions, "Piecewise"]
         self.constants = {constant.name: constant.value for constant in CONSTANTS.values() if constant.in_laws}
@@ -272,7 +312,7 @@ class _Parser:
         while True:
             token = self.next
             opens = token.text in ("(", "√") or (token.text == "|" and not self.bars)
-            implied = opens or token.kind in ("number", "name")  # a product without its sign
+            implied = opens or token.kind in ("number", "name", "fraction")  # a product without its sign
             symbol = "*" if implied else token.text
             if _BINDING.get(symbol, 0) <= least:
                 return result
@@ -300,9 +340,15 @@ class _Parser:
         if token.kind == "number":
             self.place += 1
             return sp.Rational(token.text)
+        if token.kind == "fraction":
+            self.place += 1
+            return self.nested(token, lambda: self._fraction(token))
         if token.kind == "name":
             self.place += 1
-            product = token.text not in taken() and (token.text in self.described or token.text in self.alone)
+            if self._is_power_of_function(token):
+                return self.nested(token, lambda: self._power_of_function(token))
+            is_named = self._is_command(token) or token.text in self.described or token.text in self.alone
+            product = token.text not in taken() and is_named
             called = not product and self.take("(")
             return self.nested(token, lambda: self._call(token)) if called else self._name(token)
         if self.take("√"):
@@ -321,6 +367,46 @@ class _Parser:
         result = read()
         self.depth -= 1
         return result
+
+    def _is_command(self, token: _Token) -> bool:
+        """Return whether a name is written as LaTeX, with a backslash before it or braces in it."""
+        return self.text[token.position] == "\\" or self.text.startswith("{", token.position + len(token.text) - 1)
+
+    def _is_power_of_function(self, token: _Token) -> bool:
+        r"""Return whether a name is a function of LaTeX with a power on it, as in \tanh^{2}(v)."""
+        return token.text in self.functions and self._is_command(token) and self.next.text == "^"
+
+    def _power_of_function(self, token: _Token) -> Expr:
+        self.take("^")
+        exponent = self.operand()
+        opened = self.take("(")
+        if opened is None:
+            self.fail(token, f"the argument of {token.text} stands in parentheses: write {token.text}(...)")
+        return self._checked(token, self._power(token, self._call(token), exponent))
+
+    def _root_of_order(self, token: _Token) -> Expr:
+        r"""Return a root whose order stands in brackets, as in \sqrt[3]{v}."""
+        order = self.expression()
+        self.close(token, ")")
+        opened = self.take("(")
+        if opened is None or order == 0:
+            self.fail(token, "a root of an order is written \\sqrt[n]{x}, or x^(1/n)")
+        argument = self.expression()
+        self.close(opened, ")")
+        return self._checked(token, self._power(token, argument, 1 / order))
+
+    def _fraction(self, token: _Token) -> Expr:
+        parts = []
+        for what in ("numerator", "denominator"):
+            opened = self.take("(")
+            if opened is None:
+                self.fail(token, f"the {what} of this fraction stands in braces: \\frac{{a}}{{b}}")
+            parts.append(self.expression())
+            self.close(opened, ")")
+        above, below = parts
+        if below == 0:
+            self.fail(token, "division by zero")
+        return self._checked(token, above / below)
 
     def _enclosed(self, opened: _Token) -> Expr:
         bar = opened.text == "|"
@@ -349,6 +435,8 @@ class _Parser:
         name = _ALIASES.get(token.text, token.text)
         if name == "Piecewise":
             return self._piecewise(token)
+        if name == "sqrt" and self.text[self.tokens[self.place - 1].position] == "[" and self._is_command(token):
+            return self._root_of_order(token)
         if name not in self.functions:
             if name in _INSTEAD:
                 self.fail(token, f"there is no function {name!r}; write {_INSTEAD[name]}")

@@ -66,11 +66,13 @@ def as_text(formula: object) -> str:
         return text(exact(formula, "the coefficient"))
     if not isinstance(formula, sp.Expr):
         raise InputError(f"a law is text or a SymPy expression, got {type(formula).__name__}")
-    for symbol in formula.free_symbols:  # every name in it is that of a parameter, or v
+    reserved = [symbol for symbol in formula.free_symbols if symbol.name == "lambda"]
+    expr: Expr = formula.xreplace(dict.fromkeys(reserved, sp.Symbol("lambda_")))
+    for symbol in expr.free_symbols:  # every name in it is that of a parameter, or v
         if symbol.name != "v":
             Parameter(symbol.name)
     try:
-        return text(formula.xreplace({number: _decimal(number) for number in formula.atoms(sp.Float)}))
+        return text(expr.xreplace({number: _decimal(number) for number in expr.atoms(sp.Float)}))
     except ValueError:  # Python prints no integer of over 4300 digits
         raise InputError("a number in the formula has too many digits") from None
 

@@ -92,10 +92,10 @@ def test_a_refusal_points_at_its_character(text, position, message):
     [
         sp.Piecewise((a, v > 0), (b, True)), sp.Piecewise((a, v <= 0), (b, True)), sp.Piecewise((a, v < 1)),
         sp.Piecewise((a, a < 1), (b, True)), sp.Piecewise((a, (v < 1) | (a < 2)), (b, True)),
-        sp.Piecewise((a, v < 2 * v - b), (b, True)), sp.Abs(v**2 - v), sp.Heaviside(v - 1), sp.sign(a - b) + v,
+        sp.Piecewise((a, v < 2 * v - b), (b, True)), sp.Abs(v**2 - v), sp.sign(a - b) + v,
         sp.Symbol("a*b") * v, sp.Symbol("pi") * v, sp.Function("f")(v), v * sp.I, sp.Symbol("a; b") + 1,
         sp.Symbol("__import__('os')") * v,
-        sp.Symbol("lambda") * v, sp.Integral(v, v), sp.zoo * v, sp.Integer(10) ** 6000 * v,
+        sp.Integral(v, v), sp.zoo * v, sp.Integer(10) ** 6000 * v,
     ],
 )  # fmt: skip
 def test_sympy_expressions_that_are_no_laws(expr):
