@@ -6,6 +6,7 @@ from sweeps import sweep
 import stickslip_sym as ss
 
 PROVED = {
+    "(1 - exp(-v/v_w))/v": {"v_w": "0.3"},
     "A*exp(-(v_0/v)^(1/3))": {"A": "0.5", "v_0": "0.3"},
     "A*exp(-v_0/v^n)": {"A": "0.5", "v_0": "0.3", "n": "0.7"},
     "mu_0 + a*exp(-b*v)*cos(w*v + f)": {"mu_0": "0.2", "a": "0.1", "b": "0.5", "w": 2, "f": "0.3"},
@@ -54,6 +55,14 @@ def test_a_family_with_a_closed_form_is_proved(formula):
     assert form.verdict.status is ss.Status.PROVED, form.verdict
     for V in ("0.013", "0.7"):
         assert_value(form, PROVED[formula], V)
+
+
+@pytest.mark.parametrize(("criterion", "status"), [("least_squares", "PROVED"), ("harmonic", "CHECKED")])
+def test_what_is_finite_together_is_averaged_together(criterion, status):
+    form = ss.derive("a*(exp(-v/v_1) - exp(-v/v_2))/v", criterion, search=False)
+    assert form.verdict.status is ss.Status[status]
+    for V in ("0.013", "0.7"):
+        assert_value(form, {"a": "0.1", "v_1": "0.5", "v_2": "0.2"}, V)
 
 
 @pytest.mark.parametrize("formula", CHECKED)

@@ -168,6 +168,8 @@ def _stretched(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     if d.is_negative:
         orders = [(c, (n + 1 + q) / -d) for (n,), c in terms]
         return sp.Add(*[-c / d * k**order * _upper_gamma(-order, k * u**d) for c, order in orders])
+    if any((n + 1 + q).is_nonpositive for (n,), _ in terms):  # infinite at 0, unless another term cancels it
+        return None
     w = sp.powdenest(k ** (-1 / d))
     return sp.Add(*[c * w ** (n + 1 + q) / d * sp.lowergamma((n + 1 + q) / d, (u / w) ** d) for (n,), c in terms])
 

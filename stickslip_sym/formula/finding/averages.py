@@ -29,14 +29,31 @@ _HALF = sp.Rational(1, 2)
 
 def harmonic_average(rest: Expr, u: Expr, V: Expr) -> tuple[str, Expr] | None:
     """Return the name of the rule that averages a term and H[rest], or None; waves apart, each by its rule."""
-    names, total = [], sp.Integer(0)
+    names, total, pole = [], sp.Integer(0), sp.Integer(0)
     for part, constant in grouped(waves_apart(rest), u).items():
+        if (exponent := _exponent_over_speed(part, u)) is not None:
+            rate, shift = exponent
+            pole += constant * sp.exp(shift)
+            # exp(-k u)/u = 1/u - k 1F1(1; 2; -k u), and what is left of 1/u must cancel.
+            series = _average_of_series(sp.S.Zero, [sp.S.One], [sp.Integer(2)], rate, sp.S.One, V)
+            total += constant * sp.exp(shift) * rate * series
+            names.append("hypergeometric series")
+            continue
         average = first_rule(_RULES, part, sp.Integer(1), u, V) if part.has(u) else ("polynomial", sp.Integer(0))
         if average is None:
             return None
         names.append(average[0])
         total += constant * average[1]
-    return ", ".join(dict.fromkeys(names)), total
+    return (", ".join(dict.fromkeys(names)), total) if sp.expand(pole) == 0 else None
+
+
+def _exponent_over_speed(part: Expr, u: Expr) -> tuple[Expr, Expr] | None:
+    """Return a and b of exp(a u + b)/u, 0 and 0 of 1/u; None for anything else."""
+    if part == 1 / u:
+        return sp.S.Zero, sp.S.Zero
+    numerator = sp.expand_mul(part * u)
+    line = coefficients(numerator.args[0], u) if isinstance(numerator, sp.exp) else []
+    return (line[0], line[1]) if len(line) == 2 else None
 
 
 def _in_cosines(polynomial: Expr, u: Expr, V: Expr) -> list[Expr]:
