@@ -19,7 +19,7 @@ from stickslip_sym.core.progress import Step, listened_by, stages
 from stickslip_sym.core.remedies import Argument, Call
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.symbols import N, V, c, mu, v
-from stickslip_sym.criteria.criterion import Criterion, find
+from stickslip_sym.criteria.criterion import Criterion, catalogue, find
 from stickslip_sym.formula.average import Average, average_of
 from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.exact import exact_value
@@ -32,7 +32,7 @@ from stickslip_sym.model.expression.letters import lettered, with_numbers
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.pieces import with_means
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.laws import as_law
+from stickslip_sym.model.laws import as_law, laws
 from stickslip_sym.model.terms import Term, shapes_of
 from stickslip_sym.output import markup, printing
 from stickslip_sym.output.notation import check_known, notation_of
@@ -180,7 +180,15 @@ class ClosedForm(SlopeAverage):
         )
         count = len(self.derivation.steps)
         evidence = dict.fromkeys(gate.evidence for gate in gates)
-        return Verdict(status, "; ".join([f"{count} steps" if count != 1 else "1 step", *evidence]))
+        page = [self._page] if status is Status.PROVED else []
+        return Verdict(status, "; ".join([f"{count} steps" if count != 1 else "1 step", *evidence, *page]))
+
+    @property
+    def _page(self) -> str:
+        """Whether the page of this formula, which proves it again without this package, has run."""
+        law, name = self.law, self.law.name
+        of_catalogue = name in laws and laws[name].expr == law.expr and self.criterion.name in catalogue
+        return "its page in SymPy is run every night" if of_catalogue else "its page in SymPy was not run here"
 
     @cached_property
     def limits(self) -> Limits:
