@@ -476,6 +476,7 @@ def by_series(g, w, equation, rest, q, count, y, functions, roots):
     # It fixes y_n if neither q_0(n) nor what was divided out is 0: factors without a rational zero never are
     divided = sp.fraction(sp.factor(p.nth(0) / q[0]))[0]
     content, leading = sp.Poly(q[0] * divided, n).primitive()
+    leading = sp.Poly(leading.as_expr(), n)
     fixes = leading.free_symbols <= {n} and all(x.q > 1 or x < count for x in leading.ground_roots())
     check(fixes and sp.sympify(content) != 0, "what the recurrence fixes")
     check(count > max(len(q) - 1, order - low + sp.degree(rest, v)), "how many terms the recurrence does not fix")
@@ -652,18 +653,37 @@ def sum_of_terms(mu, w, terms):
         a, scale = known(a), known(scale)
         check(scale.is_positive and not (a.has(v, V, N) or scale.has(v, V, N)), "an amplitude, or a scale")
         check(not {V, N, v, s, n} & shapes.keys(), "a shape that is a speed or a force")
-        for x, value in shapes.items():
-            if kinds(x) == ["real"] and known(value).is_rational_function(*value.free_symbols):
-                continue  # it is real where it is finite
-            check(
-                all(getattr(known(value), f"is_{kind}") for kind in kinds(x)), f"{x} = {value} is not {kinds(x)}"
-            )
+        shapes = {x: known(value) for x, value in shapes.items()}
         law += a * at_scale(sp.sympify(g), scale, shapes)
-        F, missing = average_of(g, w, parts)
-        total += a / scale * F.subs({V: V / scale, **shapes}, simultaneous=True)
+        F, missing = average_at(g, w, parts, shapes)
+        total += a / scale * F.subs(V, V / scale)
         compared += missing
     check(agree(mu - law), "the split of mu into terms")
     return total, compared
+
+
+def average_at(g, w, parts, shapes):
+    """Return the average of a profile at values of its shapes: that of all shapes, or with the values put in."""
+    try:
+        for x, value in shapes.items():
+            # A rational function of real numbers is real where it is finite.
+            is_real = kinds(x) == ["real"] and value.is_rational_function(*value.free_symbols)
+            check(is_real or all(getattr(value, f"is_{kind}") for kind in kinds(x)), f"{x} = {value}")
+        F, missing = average_of(g, w, parts)
+        return F.subs(shapes, simultaneous=True), missing
+    except NotProved:
+        if not shapes:
+            raise
+        return average_of(with_values(g, shapes), w, with_values(parts, shapes))
+
+
+def with_values(data, shapes):
+    """Return data with values for the shapes."""
+    if isinstance(data, dict):
+        return {x: with_values(e, shapes) for x, e in data.items()}
+    if isinstance(data, list | tuple):
+        return type(data)(with_values(e, shapes) for e in data)
+    return data.subs(shapes, simultaneous=True) if isinstance(data, sp.Basic) else data
 
 
 def at_scale(g, scale, shapes):
