@@ -244,7 +244,8 @@ def _criterion(
     ]
     lines += [f"Here {row.meaning}." for row in FUNCTIONS.values() if row.meaning and form.expr.has(row.kind)]
     lines += [*_ends(shown, names), _vanishing(form, names)]
-    note = f"\\footnote{{Certificate: \\texttt{{{prose(certificate)}}}.}}" if certificate else ""
+    kind = "Proof for Coq" if certificate.endswith(".v") else "Certificate"
+    note = f"\\footnote{{{kind}: \\texttt{{{prose(certificate)}}}.}}" if certificate else ""
     lines.append(f"Verification: {form.verdict.status.value}; {prose(form.verdict.evidence)}.{note}")
     yield "\n".join(lines)
     if steps:

@@ -121,6 +121,12 @@ def test_what_the_scripts_do_not_have_is_refused_by_its_name(law, criterion, wor
         script_of(law, criterion)
 
 
+def test_a_document_says_which_proof_stands_beside_it():
+    form = ss.derive("linear")
+    assert r"\footnote{Proof for Coq: \texttt{linear.v}.}" in ss.export_latex(form, certificate="linear.v")
+    assert r"\footnote{Certificate: \texttt{linear.py}.}" in ss.export_latex(form, certificate="linear.py")
+
+
 def test_there_are_two_languages():
     with pytest.raises(InputError, match="no certificate in 'isabelle'; give 'sympy' or 'coq'"):
         ss.derive("linear").certificate("isabelle")
