@@ -21,7 +21,7 @@ PAGES = sorted((ROOT / "derivations" / "certificates").glob("*.py"))
 CATALOGUE = [(name, criterion) for name in ss.laws for criterion in ("equilibrium", "least_squares", "harmonic")]
 KINKS = "0.5 - a*Min(v, v_k)"
 LAWS = [("0.3 + 0.1*exp(-v)", "least_squares"), ("0.3 + 0.1*exp(-v)", "harmonic"), (KINKS, "least_squares"),
-        (KINKS, "equilibrium"), ("linear", "harmonic"), ("mu_0 + a/(1 + v/p)", "harmonic"),
+        (KINKS, "equilibrium"), ("polynomial", "harmonic"), ("mu_0 + a/(1 + v/p)", "harmonic"),
         ("Piecewise((mu_0, v < v_k), (mu_1, True))", "least_squares")]  # fmt: skip
 
 
