@@ -187,7 +187,8 @@ class ClosedForm(SlopeAverage):
     def _page(self) -> str:
         """Whether the page of this formula, which proves it again without this package, has run."""
         law, name = self.law, self.law.name
-        of_catalogue = name in laws and laws[name].expr == law.expr and self.criterion.name in catalogue
+        is_there = name is not None and name in laws and laws[name].expr == law.expr
+        of_catalogue = is_there and self.criterion.name in catalogue
         return "its page in SymPy is run every night" if of_catalogue else "its page in SymPy was not run here"
 
     @cached_property
