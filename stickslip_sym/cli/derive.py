@@ -95,14 +95,19 @@ def derived(
 
 def _lines(form: ClosedForm) -> list[str]:
     """Return a form as lines of text, its formula no longer than a few screens."""
+    from stickslip_sym.formula.lettered import readable
     from stickslip_sym.output import abbreviation, printing
 
     if form.law.curve is not None:
         shown = f"  c = average of the {form.law.curve} (--json has its cubics)"
-    elif len(shown := abbreviation.formula("c", form.expr)) > _LONGEST:
-        size = len(printing.text(form.expr))
+        return [repr(form), "", shown, "", form.verdict.evidence]
+    general, letters = readable(form)
+    shown = abbreviation.formula("c", general.expr)
+    if len(shown) > _LONGEST:
+        size = len(printing.text(general.expr))
         shown = f"{shown[:_LONGEST]}... ({size} characters; --latex and --json write it whole)"
-    return [repr(form), "", shown, "", form.verdict.evidence]
+    values = ", ".join(f"{letter} = {printing.text(value)}" for letter, value in letters.items())
+    return [repr(form), "", shown, *([f"  where {values}"] if values else []), "", form.verdict.evidence]
 
 
 def _latex(form: ClosedForm, steps: bool) -> str:
