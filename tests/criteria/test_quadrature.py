@@ -83,7 +83,8 @@ def test_a_second_look_confirms_a_slope(digits, enough):
     """Of a formula that loses digits inside: below so many its slope at v = 0.5 is wrong, unseen."""
 
     def mu(v):
-        return 1 - v + ((v - 0.5) / mpmath.mp.dps if mpmath.mp.dps < enough else 0)
+        digits_now = v.context.dps  # quadrature computes in a context of its own
+        return 1 - v + ((v - 0.5) / digits_now if digits_now < enough else 0)
 
     found = quadrature.average(mu, [], ss.criteria.equilibrium, sp.Rational(1, 2), digits)
     assert abs(found - 1) <= mpmath.mpf(10) ** -digits
