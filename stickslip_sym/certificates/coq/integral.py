@@ -130,6 +130,12 @@ class Integral(Script):
         expr = average._in_shapes(_divided(integral.function, kernel))
         parts = step.by.parts(average._in_shapes(integral.function), sp.S.Zero, 2 * V)
         primitives, _, lows, highs = zip(*parts, strict=True)
+        if any(end.has(sp.Max) for end in (*lows, *highs)):
+            raise Unsupported(
+                "a script in Coq has no kinks whose places may be negative, or whose order is unknown"
+            )
+        if any(node.args[0].has(sp.sqrt(symbols.v)) for node in integral.function.atoms(sp.exp)):
+            raise Unsupported("a script in Coq has no exponential of a root of v")
         require_regular(self.u, *map(words, (*primitives, *pieces_of(expr)[0])), at_rest=True)
         return Profile(
             label,
