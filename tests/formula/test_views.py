@@ -125,7 +125,7 @@ def test_what_failed_is_not_tried_again(monkeypatch, fresh_averages):
     average = average_of(sp.tanh(sp.exp(ss.symbols.v)), ss.criteria.least_squares)
     asked = []
     integrated = Average._integrated
-    monkeypatch.setattr(Average, "_integrated", lambda *args: asked.append(1) or integrated(*args))
+    monkeypatch.setattr(Average, "_integrated", lambda *a, **k: asked.append(1) or integrated(*a, **k))
     for _ in range(3):
         with pytest.raises(ss.NoClosedForm, match="SymPy's integrator was not asked"):
             average.find()
