@@ -26,6 +26,7 @@ KINDS = {
     "sigma_F_t": ("force",), "n": ("number",),
 }  # fmt: skip
 """Every quantity that is read, and what its unit may measure."""
+_FORCES = "F_t", "F_n", "sigma_F_t"
 _EXAMPLES = {
     "speed": "of a speed, like m/s, mm/s or m/min",
     "force": "of a force, like N or mN",
@@ -151,6 +152,10 @@ class Column:
         column = cls(text, name, _meanings(name), unit_text, number)
         return replace(column, meanings=("v",)) if name == "n" and column.turns else column
 
+    def without(self, quantity: str) -> "Column":
+        """Return the column as one that does not hold a quantity."""
+        return replace(self, meanings=tuple(meaning for meaning in self.meanings if meaning != quantity))
+
     @property
     def unit(self) -> Unit | None:
         """The unit; None where none is written, or one that is not known."""
@@ -191,6 +196,10 @@ def choose_columns(
     headers = [Column.read(cell, number) for number, cell in enumerate(cells, 1)]
     for quantity, text in chosen.items():
         headers = _chosen(headers, where, quantity, str(text).strip())
+    if forces := [quantity for quantity in _FORCES if quantity in chosen]:
+        if "mu" in chosen:
+            raise InputError(f"mu and {forces[0]} are chosen; choose mu, or the forces that it is the ratio of")
+        headers = [header.without("mu") for header in headers]
     columns: dict[str, Column] = {}
     rolling = next((header for header in headers if _ROLLING.fullmatch(_BREAKS.sub("", header.name))), None)
     has_mu = any(header.meanings == ("mu",) for header in headers)
@@ -224,10 +233,7 @@ def _chosen(headers: Sequence[Column], where: str, quantity: str, text: str) -> 
         named = [header for header in headers if name in (header.text, header.name)]
         named = named or [header for header in headers if name == str(header.number)]
         if len(named) == 1:
-            others = [
-                replace(header, meanings=tuple(meaning for meaning in header.meanings if meaning != quantity))
-                for header in headers
-            ]
+            others = [header.without(quantity) for header in headers]
             unit_text = unit_text or named[0].unit_text
             others[named[0].number - 1] = replace(named[0], meanings=(quantity,), unit_text=unit_text)
             return others

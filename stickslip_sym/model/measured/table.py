@@ -161,8 +161,8 @@ def _text(path: Path) -> str:
 
 def _cells(line: str, separator: str) -> list[str]:
     """Return the cells of a line; where a quotation mark is not closed it stands in a cell, and is no number."""
-    if separator == " ":
-        return line.split()
+    if separator == " ":  # a tab stands for a column, which may be empty
+        return [cell for cell in line.split(" ") if cell]
     try:
         row = next(csv.reader([line], delimiter=separator, skipinitialspace=True, strict=True))
     except csv.Error:
@@ -204,15 +204,17 @@ def _layout_of_chosen(lines: Sequence[_Line], name: str) -> tuple[str, list[str]
     widths = Counter[tuple[bool, str, int]]()
     for line in rows[:_LOOKED_AT]:
         for mark in SEPARATORS:
-            numeric = list(map(_is_number, _names(line.text, mark)))
-            if len(numeric) > 1 and 2 * sum(numeric) > len(numeric):
-                widths[all(numeric), mark, len(numeric)] += 1
+            cells = _names(line.text, mark)
+            filled = [_is_number(cell) for cell in cells if cell]
+            if sum(filled) > 1 and 2 * sum(filled) > len(filled):
+                widths[all(filled), mark, len(cells)] += 1
     if not widths:
         raise InputError(f"{name} has no rows of numbers in columns; write a line for each, like 0.1,0.35")
     whole, mark, count = max(widths, key=lambda width: (width[0], widths[width]))
     first = next(
         i for i, line in enumerate(rows)
-        if len(cells := _names(line.text, mark)) == count and (all if whole else any)(map(_is_number, cells))
+        if len(cells := _names(line.text, mark)) == count
+        and (all if whole else any)(_is_number(cell) for cell in cells if cell)
     )  # fmt: skip
     above = [(line, _names(line.text, mark)) for line in lines[: lines.index(rows[first])]]
     wide = [(line, cells) for line, cells in above if len(cells) == count]
@@ -239,6 +241,7 @@ def _layout(lines: Sequence[_Line], name: str) -> tuple[str, list[str], str, lis
         first = {mark: _names(below[0].text, mark) if below else [] for mark in SEPARATORS}
         where = f"{name}, line {line.number}"
         named = [mark for mark in SEPARATORS if is_header(cells[mark])]
+        named.sort(key=lambda mark: len(first[mark]) != len(cells[mark]))  # the same width first
         if named and not below:
             raise InputError(f"{name} has no points below line {line.number}; write a line for each")
         for mark in named:

@@ -315,6 +315,31 @@ def test_files_of_instruments_are_understood(tmp_path, text, encoding, v, mu, wo
     assert words in str(read)
 
 
+def test_an_empty_column_is_one(tmp_path):
+    """Tabs are never taken for blanks, which would move every column behind it."""
+    text = "t\t\tv\tmu\tload\n1\t\t0.1\t0.42\t2.1\n2\t\t0.2\t0.36\t2.2\n3\t\t0.4\t0.29\t2.3\n"
+    for file in (text, "Run 5 of 7\n" + text, text.replace("\t\t", "\t \t")):
+        path = write(tmp_path, file)
+        for columns in (None, {"v": "3 [m/s]", "mu": 4}, {"v": 3, "mu": "mu"}):
+            read = ss.read_measurements(path, columns=columns)
+            assert (read.v.tolist(), read.mu.tolist()) == ([0.1, 0.2, 0.4], [0.42, 0.36, 0.29])
+    with pytest.raises(ss.InputError, match="column 2"):
+        ss.read_measurements(path, columns={"v": "2 [m/s]", "mu": 4})
+
+
+def test_chosen_forces_win_over_a_coefficient(tmp_path):
+    path = write(tmp_path, "v [m/s],Fx [N],Fz [N],X,COF,friction\n1,2,10,5,0.9,0.8\n2,3,10,5,0.9,0.8\n")
+    assert ss.read_measurements(path).mu.tolist() == [0.9, 0.9]
+    for columns in ({"F_t": 2, "F_n": 3}, {"F_t": "Fx"}):
+        assert ss.read_measurements(path, columns=columns).mu.tolist() == [0.2, 0.3]
+    assert ss.read_measurements(path, columns={"F_t": 2, "F_n": "4 [N]"}).mu.tolist() == [0.4, 0.6]
+    assert ss.read_measurements(path, columns={"mu": 6}).mu.tolist() == [0.8, 0.8]
+    with pytest.raises(ss.InputError, match=r"column 2, 'Fx .N.', is F_t too"):
+        ss.read_measurements(path, columns={"F_n": 3})
+    with pytest.raises(ss.InputError, match="mu and F_t are chosen"):
+        ss.read_measurements(path, columns={"mu": 5, "F_t": 2})
+
+
 def test_columns_are_named_by_the_user(tmp_path):
     text = "Rotation [rpm]\tReading X\tTorque [Nm]\n100\t0.4\t1\n200\t0.35\t2\n300\t0.34\t3\n"
     path = write(tmp_path, text)
