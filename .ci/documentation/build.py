@@ -71,7 +71,7 @@ def page(path: str, name: str, linked: dict[str, str]) -> pdoc.doc.Module:
         target = (ROOT / path).parent.joinpath(place).resolve()
         if target.is_dir():
             return link[1]  # it is in the repository only
-        if target.suffix in (".svg", ".png") and target.is_file() and target.parent != FOLDER:
+        if target.suffix in (".svg", ".png", ".v") and target.is_file() and target.parent != FOLDER:
             shutil.copy(target, FOLDER)
         page = PAGES.get(target.relative_to(ROOT).as_posix())
         return f"[{link[1]}]({f'{page}.html' if page else target.name}{mark}{anchor})"
