@@ -62,6 +62,8 @@ class SlopeAverage(TermSum):
             at_belt = with_means(slope).subs(symbols.v, symbols.V)
             return exact_value(-symbols.N * at_belt, slope, point, digits)
         law = self.law.bind(**{name: point[s] for name, s in self.arguments.items() if name not in ("V", "N")})
+        if law.slope_expr.xreplace(law.bound.point) == 0:  # at these values mu is constant
+            return rounded(own_mpf(sp.Integer(0)), digits)
         enclosure = enclose(law, self.criterion, V=point[symbols.V], N=point[symbols.N], digits=digits)
         middle = enclosure.mid
         if enclosure.low * enclosure.high <= 0:  # 0, or what 400 digits leave open
