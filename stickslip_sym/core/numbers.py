@@ -23,7 +23,7 @@ from mpmath.libmp import from_rational, to_rational
 from stickslip_sym.core.aliases import Expr, FloatArray, Mpf, Rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.remedies import Name
-from stickslip_sym.core.units import in_si, without_unit
+from stickslip_sym.core.units import has_error, in_si, without_unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -73,7 +73,17 @@ def _from_text(text: str, name: str) -> Fraction:
     if len(text) <= _LONGEST and len(parts) <= 2 and all(map(_DECIMAL.fullmatch, parts)):
         with suppress(ZeroDivisionError):
             return reduce(truediv, map(Fraction, parts))
+    _refuse_error(text, name)
     raise InputError(Name(name), f" = {text[:60]!r} is not a number; write it like 0.5, 5e-1 or 1/2")
+
+
+def _refuse_error(text: str, name: str) -> None:
+    """Refuse a number with a standard error, where only a plain one is used."""
+    if has_error(text):
+        raise InputError(
+            Name(name),
+            f" = {text.strip()[:60]!r} has a standard error, and none is used here; give the number alone",
+        )
 
 
 def real(name: str, value: Number) -> float:
@@ -82,6 +92,7 @@ def real(name: str, value: Number) -> float:
     try:
         number = float(bare)
     except (TypeError, ValueError, OverflowError):
+        _refuse_error(str(value), name)
         raise InputError(Name(name), f" = {str(value)[:60]!r} is not a number; give a float such as 0.5") from None
     if not math.isfinite(number):
         raise InputError(Name(name), f" = {number} is not finite; give a float such as 0.5")

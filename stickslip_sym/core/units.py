@@ -37,8 +37,12 @@ _WITH_UNIT = re.compile(
     r"\s*(?P<number>[-+(\d.].*?)\s*(?P<unit>(?:1/)?(?![eE][-+]?\d)[A-Za-zμ%][A-Za-zμ%\d\s*·/^.-]*?)\s*"
 )
 _FACTOR = re.compile(r"(?P<name>1|[A-Za-zμ%]+)\^?(?P<power>-?\d)?")
-_SIZE = r"[\d./]+(?:[eE][-+]?\d+)?"
-_NUMBER = re.compile(rf"\(?([-+]?{_SIZE})\s*(?:(?:\+/-|±)\s*({_SIZE})|\((\d+)\))?\)?")
+_DECIMAL = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,4})?"
+_SIZE = rf"{_DECIMAL}(?:/{_DECIMAL})?"
+_NUMBER = re.compile(
+    rf"\(?(?:(?P<value>[-+]?{_SIZE})(?:\s*(?:\+/-|±)\s*(?P<error>{_SIZE}))?"
+    rf"|(?P<digits>[-+]?{_DECIMAL})\s*\((?P<last>\d+)\))\)?"
+)
 _DIGITS = 40  # of a number that no decimal is
 
 
@@ -80,12 +84,43 @@ def in_si(value: Any, name: str, unit: str | None = None) -> Any:
             f" = {value.strip()[:60]!r} has the unit {match['unit']}, and {name} is "
             f"{'a pure number' if expected == '1' else f'in {expected}'}; write it so, or in a unit like that",
         )
-    shown, error, last = number.groups()
-    if error is None and last is None:
-        return _text(Fraction(shown) * size)
-    if last is not None:  # in units of the last digit
-        error = str(Decimal(last).scaleb(int(Decimal(shown).as_tuple().exponent)))
-    return f"{_text(Fraction(shown) * size, decimal=True)}+/-{_text(Fraction(error) * size, decimal=True)}"
+    try:
+        return _converted(number, size)
+    except ZeroDivisionError:
+        return value
+
+
+def has_no_unit(text: str) -> bool:
+    """Return whether no unit stands behind a number."""
+    return _WITH_UNIT.fullmatch(text.translate(_SUPERSCRIPTS)) is None
+
+
+def has_error(text: str) -> bool:
+    """Return whether a text is a number with its standard error, like 0.400(5) or 0.400+/-0.005."""
+    match = _NUMBER.fullmatch(text.strip())
+    return match is not None and (match["error"] or match["last"]) is not None
+
+
+def _converted(number: re.Match[str], size: Fraction) -> str:
+    """Return a number with its standard error, if it has one, as text in SI units."""
+    if number["last"] is not None:  # in units of the last digit
+        value, error = Fraction(number["digits"]), Fraction(last_digits(number["digits"], number["last"]))
+    else:
+        value = _quotient(number["value"])
+        if number["error"] is None:
+            return _text(value * size)
+        error = _quotient(number["error"])
+    return f"{_text(value * size, decimal=True)}+/-{_text(error * size, decimal=True)}"
+
+
+def last_digits(number: str, digits: str) -> Decimal:
+    """Return the standard error that digits in brackets behind a decimal say: 5 behind 0.400 is 0.005."""
+    return Decimal(digits).scaleb(int(Decimal(number).as_tuple().exponent))
+
+
+def _quotient(text: str) -> Fraction:
+    above, _, below = text.partition("/")
+    return Fraction(above) / Fraction(below or 1)
 
 
 def without_unit(value: Any, name: str, unit: str | None = None) -> Any:

@@ -8,6 +8,7 @@ import pytest
 from commands import read_json
 from hypothesis import given
 from hypothesis import strategies as st
+from uncertainties import ufloat
 
 import stickslip_sym as ss
 from stickslip_sym.core.numbers import fraction
@@ -150,3 +151,23 @@ def test_quantities_of_other_libraries_are_converted_by_them(of_pint):
         ss.Oscillator(m=1, k=100, V=quantity(5.0, "g"), N=9.81)
     with pytest.raises(ss.InputError, match="no unit is known here"):
         ss.derive("exponential")(V=0.5, N=9.81, mu_s=quantity(0.5, "m/s"), mu_m=0.2, alpha=3)
+
+
+@pytest.mark.parametrize(
+    "text", ["1/2(1) m/s", "1/0 m/s", "1/2+/-1/0 m/s", "1/2/3 m/s", "1..5 m/s", "0.5.(1) m/s"]
+)
+def test_what_is_no_number_before_a_unit_is_refused(text):
+    for read in (fraction, split):
+        with pytest.raises(ss.InputError, match=r"^V = .* is not a number"):
+            fraction(read(text, "V")[0], "V") if read is split else read(text, "V")
+
+
+@pytest.mark.parametrize("value", ["0.400(5)", "0.400+/-0.005", "40(5) cm/s", "(0.4 ± 0.1)", ufloat(0.4, 0.005)])
+def test_a_standard_error_that_is_not_used_is_named(value):
+    with pytest.raises(ss.InputError, match=r"V = .* has a standard error, and none is used here; give"):
+        ss.Oscillator(V=value, N=9.81, m=1, k=100)
+
+
+def test_quotients_with_units_are_exact():
+    assert fraction("1.5/2 m/s", "V") == Fraction(3, 4)
+    assert fraction("1e3/3 mm/s", "V") == Fraction(1, 3)

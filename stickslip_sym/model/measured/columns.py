@@ -9,6 +9,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import pairwise
 from typing import NamedTuple
 
 from stickslip_sym.core.errors import InputError
@@ -76,6 +77,7 @@ def read_unit(text: str) -> Unit | None:
 
 
 _SPREAD = "sigma|sd|std(dev)?|stdev|(standard)?(error|uncertainty)|standarddeviation|err|scatter"
+_BARE_SPREAD = rf"{_SPREAD}|standardabweichung"
 _WORDS: dict[str, tuple[str, ...]] = {
     r"(v|vel)(r|rel|slip|sl|slide|sliding)?|(slip)rate|rpm|drehzahl|(gleit|relativ)?geschwindigkeit": ("v",),
     r"(slip|slide|sliding|rel|relative|surface|lin|linear|belt|track)?(speed|velocity)": ("v",),
@@ -89,7 +91,7 @@ _WORDS: dict[str, tuple[str, ...]] = {
     r"friction|reibung": ("mu", "F_t"),
     rf"(s|u|d|delta|{_SPREAD})(mu|cof)|(mu|cof)({_SPREAD})": ("sigma_mu",),
     rf"(s|u|d|{_SPREAD})ft|(ft|frictionforce)({_SPREAD})|sigmaf": ("sigma_F_t",),
-    rf"{_SPREAD}|standardabweichung": ("sigma_mu", "sigma_F_t"),
+    _BARE_SPREAD: ("sigma_mu", "sigma_F_t"),
     r"n": ("n", "F_n"),
     r"count|numbervalues|repeats|replicates|samples|anzahl": ("n",),
 }  # fmt: skip
@@ -106,9 +108,17 @@ _BRACKETS = re.compile(r"(?P<name>.*?)\s*/?\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<
 _SPLITS = re.compile(r"\s+in\s+|\s*/\s*|\s*,\s*|\s+|_")
 
 
+def _words(name: str) -> list[str]:
+    return [word for word in _BREAKS.split(name.lower().translate(_GREEK)) if word and word not in _QUALIFIERS]
+
+
+def _plain(name: str) -> str:
+    return "".join(_words(name))
+
+
 def _meanings(name: str) -> tuple[str, ...]:
     """Return what a name may mean; two names of one quantity, like friction coefficient mu, mean it too."""
-    words = [word for word in _BREAKS.split(name.lower().translate(_GREEK)) if word and word not in _QUALIFIERS]
+    words = _words(name)
     for i in range(len(words)):
         parts = ["".join(part) for part in (words[:i], words[i:]) if part]
         senses = {next((kind for form, kind in _WORDS.items() if re.fullmatch(form, part)), ()) for part in parts}
@@ -196,6 +206,7 @@ def choose_columns(
     headers = [Column.read(cell, number) for number, cell in enumerate(cells, 1)]
     for quantity, text in chosen.items():
         headers = _chosen(headers, where, quantity, str(text).strip())
+    headers = _without_spreads_of_speed(headers, chosen)
     if forces := [quantity for quantity in _FORCES if quantity in chosen]:
         if "mu" in chosen:
             raise InputError(f"mu and {forces[0]} are chosen; choose mu, or the forces that it is the ratio of")
@@ -223,6 +234,18 @@ def choose_columns(
         known = [f"{_quoted(h.text)} as {' or '.join(h.meanings) or 'nothing'}" for h in headers if h.text]
         raise InputError(f"{where}: {fault}; understood: {', '.join(known)[:300]}", *_ADVICE)
     return {quantity: columns[quantity] for quantity in KINDS if quantity in columns}
+
+
+def _without_spreads_of_speed(headers: Sequence[Column], chosen: Mapping[str, str | int]) -> list[Column]:
+    """Return the columns without a deviation just behind the speed, as in v,std,mu: it is that of the speed."""
+    kept = list(headers[:1])
+    for before, header in pairwise(headers):
+        is_spread = header.meanings and set(header.meanings) <= {"sigma_mu", "sigma_F_t"}
+        of_speed = is_spread and before.meanings == ("v",) and re.fullmatch(_BARE_SPREAD, _plain(header.name))
+        if of_speed and not chosen.keys() & {*header.meanings}:
+            header = replace(header, meanings=())
+        kept.append(header)
+    return kept
 
 
 def _chosen(headers: Sequence[Column], where: str, quantity: str, text: str) -> list[Column]:

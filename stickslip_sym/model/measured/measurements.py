@@ -16,6 +16,7 @@ from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, Rows
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import Number, fraction, read_array, real, require_type
 from stickslip_sym.core.remedies import Argument
+from stickslip_sym.core.units import has_no_unit, without_unit
 from stickslip_sym.model.measured.branches import Branches, branches_of
 from stickslip_sym.model.measured.heavy_tails import have_heavy_tails, huber_weights
 from stickslip_sym.model.measured.table import Table, read_table
@@ -36,6 +37,8 @@ _FAR = 2.0, 3.0  # times what three rows span, and the mean gap of speeds: mu ma
 _BESIDE = 3  # rows on either side that an outlier is held against; one of them may be an outlier too
 _RISES = 4.0  # times what friction changes between rows beside an outlier, which a smooth curve may exceed too
 _ROBUST = 1.4826 / 1.5**0.5  # standard deviation over the median of |mu_i - (mu_i-1 + mu_i+1)/2|
+_LARGE_TRACK = 1.0  # m; those of tribometers are smaller
+_LARGEST_TRACK = 1000  # m
 _RESOLUTION = 0.01  # of mu: smaller steps are no outliers, however even the other rows are
 _BUILT_UP = 0.1  # of the largest mu, by which rows at rest differ where friction builds up: noise is less
 _SHOWN = 5  # rows of a preview
@@ -312,7 +315,8 @@ def read_measurements(
         Columns whose names are not understood: the quantity, ``v``, ``mu``, ``F_t``, ``F_n``, ``sigma_mu``,
         ``sigma_F_t`` or ``n``, and the column's name or its number from 1; a unit may follow, ``"2 [mm/s]"``.
     radius : number, optional
-        Of the track in m, where the speed is a rotational one, like rpm.
+        Of the track in m, or with its unit, ``"25 mm"``, where the speed is a rotational one, like rpm; above 1
+        the unit is required.
     speeds : tuple of two numbers or None, optional
         The slip speeds in m/s, from and to, of the rows to read.
     leave_out : bool
@@ -346,9 +350,7 @@ def read_measurements(
     """
     require_type("the name of a file of measurements", path, str | Path, "text")
     require_type("columns", columns or {}, Mapping, "a dict like {'v': 1, 'mu': 'Friction Factor'}")
-    track = None if radius is None else fraction(radius, "radius")
-    if track is not None and not 0 < track < 1000:
-        raise InputError(f"radius = {float(track):g} m is that of no track; give it in m, like 0.03")
+    track = None if radius is None else read_radius(radius)
     if speeds is not None and not (isinstance(speeds, Sequence) and len(speeds) == 2):
         raise InputError(f"speeds are two numbers, from and to, or None for no end; got {speeds!r}")
     low, high = (
@@ -410,6 +412,24 @@ def read_measurements(
     )
     read = read.in_branches(direction[order]).with_tails_weighed()
     return read if bins is None else read.binned(bins)
+
+
+def read_radius(radius: Number) -> Fraction:
+    """Return the radius of a track in m; one above 1 needs its unit, as it may be in mm.
+
+    Raises
+    ------
+    InputError
+        For what is no radius of a track, or one that may be in mm.
+    """
+    track = fraction(radius, "radius")
+    if not 0 < track < _LARGEST_TRACK:
+        raise InputError(f"radius = {float(track):g} m is that of no track; give it in m, like 0.03")
+    plain = not isinstance(radius, str) or has_no_unit(radius)
+    if plain and track > _LARGE_TRACK and without_unit(radius, "radius") is radius:
+        like = f"{Argument('radius', f'{float(track):g} mm')} or {Argument('radius', f'{float(track):g} m')}"
+        raise InputError(f"radius = {float(track):g} without a unit would be in m; write it with its unit: {like}")
+    return track
 
 
 def _held(v: FloatArray, mu: FloatArray) -> BoolArray:

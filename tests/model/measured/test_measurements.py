@@ -89,6 +89,8 @@ def random_table(rng):
             row["mu"] = f"{100 * float(row['mu']):.6g}"
             meant[i] = (meant[i][0], abs(Fraction(row["mu"])) / 100, meant[i][2])
     rng.shuffle(names)
+    if "sigma" in names[names.index("v") + 1 :][:1]:  # one behind the speed would be that of the speed
+        header["sigma"] = "sigma_mu"
     lines = [separator.join(f'"{header[name]}"' if separator in header[name] else header[name] for name in names)]
     for row in rows:
         between = separator * (int(rng.integers(1, 4)) if blanks else 1)
@@ -325,6 +327,30 @@ def test_an_empty_column_is_one(tmp_path):
             assert (read.v.tolist(), read.mu.tolist()) == ([0.1, 0.2, 0.4], [0.42, 0.36, 0.29])
     with pytest.raises(ss.InputError, match="column 2"):
         ss.read_measurements(path, columns={"v": "2 [m/s]", "mu": 4})
+
+
+def test_a_deviation_behind_the_speed_is_that_of_the_speed(tmp_path):
+    rows = "0.1,0.01,0.4,0.02\n0.2,0.01,0.3,0.03\n"
+    for header, sigma in (
+        ("v,std,mu,std", [0.02, 0.03]), ("v,std,mu,x", None), ("v,std(mu),mu,x", [0.01, 0.01]),
+        ("v,x,mu,sigma", [0.02, 0.03]), ("v,uncertainty,mu,sd(mu)", [0.02, 0.03]),
+    ):  # fmt: skip
+        read = ss.read_measurements(write(tmp_path, f"{header}\n{rows}"))
+        assert (None if read.sigma is None else read.sigma.tolist()) == sigma
+        assert read.mu.tolist() == [0.4, 0.3]
+        assert ("not read: std" in str(read)) == (header.split(",")[1] == "std")
+    chosen = ss.read_measurements(write(tmp_path, f"v,std,mu,x\n{rows}"), columns={"sigma_mu": 2})
+    assert chosen.sigma.tolist() == [0.01, 0.01]
+
+
+def test_a_radius_that_may_be_in_millimetres_needs_its_unit(tmp_path):
+    path = write(tmp_path, "rpm;mu\n60;0.4\n120;0.3\n")
+    for radius in (25, "25", 1.5):
+        with pytest.raises(ss.InputError, match=r"without a unit .*radius=\"[\d.]+ mm\" or radius=\"[\d.]+ m\""):
+            ss.read_measurements(path, radius=radius)
+    for radius, metres in (("25 mm", 0.025), ("25 m", 25), (0.025, 0.025), (1, 1)):
+        read = ss.read_measurements(path, radius=radius)
+        assert read.v == pytest.approx(np.array([1, 2]) * 2 * np.pi * metres, rel=1e-15)
 
 
 def test_chosen_forces_win_over_a_coefficient(tmp_path):
