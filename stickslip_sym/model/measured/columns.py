@@ -6,7 +6,7 @@ quantity; the unit decides, and where it does not the header is refused.
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
@@ -55,6 +55,11 @@ _UNITS |= {
     "rps": Unit("rotation", _TURN),
     "kg": Unit("force", Fraction("9.80665")),  # of a load that weighs as much
 }
+_WEIGHTS = {
+    name: Unit("force", unit.size * Fraction("9.80665"))
+    for name, unit in _UNITS.items() if unit.kind == "mass"
+} | {"kg": _UNITS["kg"]}  # fmt: skip
+"""Units of mass that a column of a force is in: those of what weighs as much."""
 _ANGLES = {"rad": Fraction(1), "deg": _TURN / 360, "°": _TURN / 360}
 _ANGLES |= dict.fromkeys(("rev", "r", "U", "1", "turn", ""), _TURN)
 _INVERSE = re.compile(r"[ *.·]?(\w+?)(?:\^|\*\*)?[-−]1$")
@@ -64,6 +69,8 @@ def read_unit(text: str) -> Unit | None:
     """Return the unit that a text names, like ``mm/s``, ``mm s^-1``, ``mm·s⁻¹`` or ``rpm``; None if not known."""
     text = " ".join(text.replace("\N{MICRO SIGN}", "μ").replace("⁻¹", "^-1").split())
     text = re.sub(r"^([^\W_]+)(?:_per_|_| per )([^\W_]+)$", r"\1/\2", text)  # mm_s
+    if "/" in text and text.isupper():  # MM/S; no unit of a speed differs from another by its capitals alone
+        text = text.lower()
     known = _UNITS.get(text)
     if known is not None:
         return None if known.kind in ("length", "time", "mass") else known
@@ -79,8 +86,8 @@ def read_unit(text: str) -> Unit | None:
 _SPREAD = "sigma|sd|std(dev)?|stdev|(standard)?(error|uncertainty)|standarddeviation|err|scatter"
 _BARE_SPREAD = rf"{_SPREAD}|standardabweichung"
 _WORDS: dict[str, tuple[str, ...]] = {
-    r"(v|vel)(r|rel|slip|sl|slide|sliding)?|(slip)rate|rpm|drehzahl|(gleit|relativ)?geschwindigkeit": ("v",),
-    r"(slip|slide|sliding|rel|relative|surface|lin|linear|belt|track)?(speed|velocity)": ("v",),
+    r"(v|vel)(1|r|rel|slip|sl|slide|sliding)?|(slip)rate|rpm|drehzahl|(gleit|relativ)?geschwindigkeit": ("v",),
+    r"(slip|slide|sliding|rel|relative|surface|lin|linear|belt|track|carriage|stage)?(speed|velocity)": ("v",),
     r"(rotational|rotation|angular|spindle|disc|disk)(speed|velocity)": ("v",),
     r"mu[kd]?|cof|f[trfxy]f[nz]|(coefficient|coeff|coef)(friction|traction)": ("mu",),
     r"(friction|traction)(coefficient|coeff|coef|factor)": ("mu",),
@@ -103,6 +110,7 @@ _QUOTIENT = re.compile(r"(?<=\w)\s*[=(\[]\s*F_?[a-z]+\s*/\s*F_?[a-z]+\s*[)\]]?",
 _RPM = re.compile(r"[\s_,(\[/]*\brpm\b[\s)\]]*", re.IGNORECASE)
 _ROLLING = re.compile(r"srr|slide(to)?roll(ing)?(ratio)?|sliproll(ratio)?|sliptorollratio", re.IGNORECASE)
 _OF_SLIP = re.compile("sli[dp]|rel|diff", re.IGNORECASE)
+_MODULE = re.compile(r"^[^\W\d]\w*\.(?=[^\W\d])")  # of a program, before the name of its column: DAQ.COF
 _BREAKS = re.compile(r"[\s_\-.:,/|(){}\\$\"']+")
 _BRACKETS = re.compile(r"(?P<name>.*?)\s*/?\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\))", re.DOTALL)
 _SPLITS = re.compile(r"\s+in\s+|\s*/\s*|\s*,\s*|\s+|_")
@@ -155,6 +163,8 @@ class Column:
         """Return what a cell of a header says."""
         text = " ".join(text.split())
         plain = _QUOTIENT.sub("", text)
+        if not _meanings(_name_and_unit(plain)[0]):
+            plain = _MODULE.sub("", plain)
         rest = _RPM.sub(" ", plain.replace("_", " ")).strip("\"' ")
         if rest != plain.replace("_", " ").strip("\"' ") and _meanings(rest) in ((), ("v",)):
             return cls(text, rest or plain, ("v",), "rpm", number)
@@ -169,7 +179,7 @@ class Column:
     @property
     def unit(self) -> Unit | None:
         """The unit; None where none is written, or one that is not known."""
-        return read_unit(self.unit_text)
+        return _WEIGHTS[self.unit_text] if self.is_mass else read_unit(self.unit_text)
 
     @property
     def turns(self) -> bool:
@@ -179,7 +189,7 @@ class Column:
     @property
     def is_mass(self) -> bool:
         """Whether a force is given by the mass that weighs as much."""
-        return self.unit_text == "kg"
+        return self.unit_text in _WEIGHTS and any("force" in KINDS[meaning] for meaning in self.meanings)
 
     @property
     def possible(self) -> tuple[str, ...]:
@@ -200,12 +210,21 @@ def is_header(cells: Sequence[str]) -> bool:
 
 
 def choose_columns(
-    cells: Sequence[str], where: str, chosen: Mapping[str, str | int], radius: Fraction | None
+    cells: Sequence[str],
+    where: str,
+    chosen: Mapping[str, str | int],
+    radius: Fraction | None,
+    copies: Container[int] = (),
 ) -> dict[str, Column]:
-    """Return which column holds which quantity: those the user chose, and those that are understood."""
-    headers = [Column.read(cell, number) for number, cell in enumerate(cells, 1)]
+    """Return which column holds which quantity: those the user chose, and those that are understood.
+
+    - `copies`: numbers of columns that repeat the name and the cells of an earlier one.
+    """
+    read = [Column.read(cell, number) for number, cell in enumerate(cells, 1)]
+    headers = [replace(header, meanings=()) if header.number in copies else header for header in read]
+    headers = _of_slip_alone(headers)
     for quantity, text in chosen.items():
-        headers = _chosen(headers, where, quantity, str(text).strip())
+        headers = _chosen(headers, where, quantity, str(text).strip(), copies)
     headers = _without_spreads_of_speed(headers, chosen)
     if forces := [quantity for quantity in _FORCES if quantity in chosen]:
         if "mu" in chosen:
@@ -248,12 +267,25 @@ def _without_spreads_of_speed(headers: Sequence[Column], chosen: Mapping[str, st
     return kept
 
 
-def _chosen(headers: Sequence[Column], where: str, quantity: str, text: str) -> list[Column]:
+def _of_slip_alone(headers: Sequence[Column]) -> list[Column]:
+    """Return the columns with one named a slip speed as the only speed, as beside those of two bodies."""
+    speeds = [header for header in headers if header.meanings == ("v",)]
+    slip = [header for header in speeds if _OF_SLIP.search(header.name)]
+    if len(slip) != 1:
+        return list(headers)
+    return [header.without("v") if header in speeds and header not in slip else header for header in headers]
+
+
+def _chosen(
+    headers: Sequence[Column], where: str, quantity: str, text: str, copies: Container[int]
+) -> list[Column]:
     """Return the columns with the one that the user chose as the only one of a quantity."""
     if quantity not in KINDS:
         raise InputError(f"a column holds {', '.join(KINDS)}, got {quantity!r}")
     for name, unit_text in ((text, ""), _name_and_unit(text)):
-        named = [header for header in headers if name in (header.text, header.name)]
+        named = [
+            header for header in headers if name in (header.text, header.name) and header.number not in copies
+        ]
         named = named or [header for header in headers if name == str(header.number)]
         if len(named) == 1:
             others = [header.without(quantity) for header in headers]

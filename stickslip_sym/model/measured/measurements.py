@@ -448,7 +448,8 @@ def _columns_in_words(table: Table) -> list[str]:
     columns = table.columns
     mu = "F_t/F_n" if "F_t" in columns else f"column {columns['mu'].number}"
     more = [f"{name} from column {columns[key].number}" for key, name in _OTHERS.items() if key in columns]
-    more += [f"{key} in kg taken for weights" for key in ("F_t", "F_n") if key in columns and columns[key].is_mass]
+    weighed = [key for key in ("F_t", "F_n") if key in columns and columns[key].is_mass]
+    more += [f"{key} in {columns[key].unit_text} taken for weights" for key in weighed]
     speed = f"v in {columns['v'].unit_text}" if columns["v"].unit_text else "v taken to be in m/s"
     return ["no header"] * (not columns["v"].text) + [speed, f"mu from {mu}", *more]
 

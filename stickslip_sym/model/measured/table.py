@@ -30,8 +30,8 @@ _LARGEST = 200 * MOST_ROWS  # bytes of a file: those of a row with a dozen colum
 _LONGEST = 10_000  # characters of a line
 _LOOKED_AT = 400  # lines, of which most look alike: enough to tell how a file is written
 _COMMENT = re.compile(r"^\s*([#%!]|//)\s*")
-_BEFORE_UNIT = re.compile(r"(?<=[^\s\])])\s+(?=[\[(])")
-_BETWEEN_BLANKS = re.compile(r'"[^"]*"|(?:\[[^\[\]]*\]|\([^()]*\)|\S)+')
+_BEFORE_UNIT = re.compile(r"(?<=[^\s\])]) +(?=[\[(])")
+_BETWEEN_BLANKS = re.compile(r'"[^"]*"|(?:\[[^\[\]]*\]|\([^()]*\)|[^ ])+')
 _NUMBER = r"[+-]?(\d+{sign}?\d*|{sign}\d+)([eE][+-]?\d{{1,4}})?"
 _NUMBERS = {sign: re.compile(_NUMBER.format(sign=re.escape(sign))) for sign in ".,"}
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+(\.\d*)?")
@@ -131,13 +131,15 @@ def read_table(path: Path, chosen: Mapping[str, str | int], radius: Fraction | N
         for number, text in enumerate(texts, 1) if text.strip(SEPARATORS)
     ]  # fmt: skip
     separator, header, where, rows = _layout_of_chosen(lines, name) if chosen else _layout(lines, name)
-    columns = choose_columns(header, where, chosen if any(header) or chosen else _FIRST_TWO, radius)
     if len(rows) > MOST_ROWS:
         raise InputError(f"{name} has over {MOST_ROWS} rows; average them to fewer")
+    cells = [(line.number, _cells(line.text, separator)) for line in rows]
+    copies = _copies(header, cells)
+    columns = choose_columns(header, where, chosen if any(header) or chosen else _FIRST_TWO, radius, copies)
     read = {column.number for column in columns.values()}
     unread = [text for number, text in enumerate(header, 1) if number not in read and text]
     table = Table(name, columns, unread, leave_out)
-    _fill(table, [(line.number, _cells(line.text, separator)) for line in rows], header, separator)
+    _fill(table, cells, header, separator)
     for quantity in columns:
         good = ~_stand_ins(table.floats(quantity), table.cells[quantity])
         reason = "of a value that stands for none"
@@ -180,6 +182,11 @@ def _names(line: str, separator: str) -> list[str]:
     return cells
 
 
+def _as_wide(line: str, row: str, separator: str) -> bool:
+    """Return whether a line has as many columns as a row, with or without the empty ones at their ends."""
+    return any(len(cells(line, separator)) == len(cells(row, separator)) for cells in (_names, _cells))
+
+
 def _is_number(cell: str) -> bool:
     return any(number.fullmatch(cell) for number in _NUMBERS.values())
 
@@ -216,12 +223,12 @@ def _layout_of_chosen(lines: Sequence[_Line], name: str) -> tuple[str, list[str]
         if len(cells := _names(line.text, mark)) == count
         and (all if whole else any)(_is_number(cell) for cell in cells if cell)
     )  # fmt: skip
-    above = [(line, _names(line.text, mark)) for line in lines[: lines.index(rows[first])]]
-    wide = [(line, cells) for line, cells in above if len(cells) == count]
+    above = lines[: lines.index(rows[first])]
+    wide = [(line, _names(line.text, mark)) for line in above if _as_wide(line.text, rows[first].text, mark)]
     if not wide:
         return mark, [""] * count, name, rows[first:]
     line, header = wide[-1]
-    if len(wide) > 1 and _is_of_units(header, count):
+    if len(wide) > 1 and _is_of_units(header, len(wide[-2][1])):
         line, header = wide[-2][0], _with_units(wide[-2][1], header)
     return mark, header, f"{name}, line {line.number}", rows[first:]
 
@@ -241,7 +248,7 @@ def _layout(lines: Sequence[_Line], name: str) -> tuple[str, list[str], str, lis
         first = {mark: _names(below[0].text, mark) if below else [] for mark in SEPARATORS}
         where = f"{name}, line {line.number}"
         named = [mark for mark in SEPARATORS if is_header(cells[mark])]
-        named.sort(key=lambda mark: len(first[mark]) != len(cells[mark]))  # the same width first
+        named.sort(key=lambda mark: not (below and _as_wide(line.text, below[0].text, mark)))
         if named and not below:
             raise InputError(f"{name} has no points below line {line.number}; write a line for each")
         for mark in named:
@@ -281,6 +288,17 @@ def _layout(lines: Sequence[_Line], name: str) -> tuple[str, list[str], str, lis
     )
 
 
+def _copies(header: Sequence[str], rows: Sequence[_Row]) -> set[int]:
+    """Return the numbers of columns that repeat the name and all cells of an earlier one."""
+    copies = set[int]()
+    wide = [row for _, row in rows if len(row) >= len(header)]
+    for number, name in enumerate(header):
+        first = header.index(name)
+        if name and first < number and all(row[first] == row[number] for row in wide):
+            copies.add(number + 1)
+    return copies
+
+
 def _fill(table: Table, rows: Sequence[_Row], header: list[str], separator: str) -> None:
     """Take the cells that are read of all rows, each of which has as many columns as the header."""
     count = len(header)
@@ -318,13 +336,20 @@ def _fill(table: Table, rows: Sequence[_Row], header: list[str], separator: str)
             i, reason = wrong[0], "without a number"
             column, got = f"{i + 1}" + (f", {table.columns[read[i]].text!r}" if i in read else ""), row[i][:40]
             rule = "a finite number is needed, like 0.35, without a sign between thousands"
-        other = not any(map(_is_number, row)) and _names(text, separator) != header
-        if other and any(is_header(_names(text, mark)) for mark in SEPARATORS):
-            raise InputError(
-                f"{table.name}, line {line}: another header, {text[:60]!r}, begins a second table; save each as a "
-                "file of its own"
-            )
+        later = [(line, row)] if table.leave_out else [other for other in rows if other[0] >= line]
+        _refuse_second_table(table, later, separator)
         table.fault(line, f"{table.name}, line {line}, column {column}", repr(got), rule, reason)
+
+
+def _refuse_second_table(table: Table, rows: Sequence[_Row], separator: str) -> None:
+    """Refuse rows among which there is a header, though it be the same: another run, or another step."""
+    for line, row in rows:
+        text = separator.join(row)
+        if not any(map(_is_number, row)) and any(is_header(_names(text, mark)) for mark in SEPARATORS):
+            raise InputError(
+                f"{table.name}, line {line}: another header, {text.strip(SEPARATORS)[:60]!r}, begins a second "
+                "table; save each as a file of its own"
+            )
 
 
 def _without_thousands(rows: Sequence[_Row], read: Iterable[int]) -> Sequence[_Row]:

@@ -1,6 +1,8 @@
 """Files of measurements as instruments write them: read to the same numbers, or refused with line and column."""
 
+import re
 from fractions import Fraction
+from itertools import product
 
 import numpy as np
 import pytest
@@ -14,7 +16,7 @@ from stickslip_sym.model.measured.measurements import Measurements
 
 SPEED_UNITS = {"m/s": 1, "mm/s": 1000, "cm/s": 100, "um/s": 10**6, "m/min": 60, "km/h": Fraction(18, 5),
                "in/s": 1 / Fraction("0.0254"), "mm s^-1": 1000, "m·s⁻¹": 1, "mm/min": 60000, "nm/s": 10**9,
-               "µm/s": 10**6, "mm_s": 1000}  # fmt: skip
+               "µm/s": 10**6, "mm_s": 1000, "mm/sec": 1000, "MM/S": 1000, "M/MIN": 60}  # fmt: skip
 FORCE_UNITS = {
     "N": 1,
     "kN": Fraction(1, 1000),
@@ -22,14 +24,16 @@ FORCE_UNITS = {
     "uN": 10**6,
     "daN": Fraction(1, 10),
     "kg": 1 / Fraction("9.80665"),
+    "g": 1000 / Fraction("9.80665"),
+    "gf": 1000 / Fraction("9.80665"),
 }
 WORDS = {
     "v": ["v", "speed", "Velocity", "sliding speed", "v_r", "V_rel", "slip velocity", "v_slip", "Sliding_Speed",
-          "Lin. Speed", "Mean Speed", "Belt speed"],
+          "Lin. Speed", "Mean Speed", "Belt speed", "Carriage Speed", "V1", "Stage.Velocity", "DAQ1.v"],
     "mu": ["mu", "COF", "friction coefficient", "Coefficient of Friction", "μ", "µ", "Friction Factor", "COF_avg",
            "Friction Coefficient µ", "Reibungskoeffizient", "mu_mean", "|COF|", "µ_dyn", "Traction coefficient",
-           "Friction coef.", "COF (Fx/Fz)", "mu = Ft/Fn", "Fx/Fz"],
-    "F_t": ["F_t", "Friction force", "Fx", "tangential force", "F_f"],
+           "Friction coef.", "DAQ.COF", "COF (Fx/Fz)", "mu = Ft/Fn", "Fx/Fz"],
+    "F_t": ["F_t", "Friction force", "Fx", "tangential force", "F_f", "DAQ.Fx"],
     "F_n": ["F_n", "Normal Force", "Fz", "normal load", "Load"],
     "sigma": ["sigma_mu", "std(mu)", "s_mu", "σ", "std", "uncertainty", "standard deviation", "std of COF"],
     "other": ["time[s]", "temperature (degC)", "Cycle", "humidity in %"],
@@ -269,10 +273,12 @@ def test_rows_with_faults_are_left_out_and_counted(tmp_path):
         assert f"1 {str(read).split('rows left out: 1 ')[1]}" in str(read)
     path = write(tmp_path, "\n".join(["v,mu", *rows, "0.55,0.9"]))
     assert len(ss.read_measurements(path, keep_outliers=True)) == 41
-    path = write(tmp_path, "\n".join(["v [m/s],mu", *rows, "v [m/s],mu", *rows]))
-    assert len(ss.read_measurements(path, leave_out=True)) == 80
-    with pytest.raises(ss.InputError, match=r"line 42: another header, 'v .mm/s.,mu', begins a second table"):
-        ss.read_measurements(write(tmp_path, "\n".join(["v,mu", *rows, "v [mm/s],mu", *rows])), leave_out=True)
+    for header, leave_out in product(("v,mu", "v [mm/s],mu"), (True, False)):
+        path = write(tmp_path, "\n".join(["v,mu", *rows, "", "Run 2", header, *rows]))
+        with pytest.raises(
+            ss.InputError, match=rf"line 44: another header, '{re.escape(header)}', begins a second"
+        ):
+            ss.read_measurements(path, leave_out=leave_out)
 
 
 SOME = ["exponential", "stribeck", "andersson", "quintic"]
@@ -364,6 +370,36 @@ def test_chosen_forces_win_over_a_coefficient(tmp_path):
         ss.read_measurements(path, columns={"F_n": 3})
     with pytest.raises(ss.InputError, match="mu and F_t are chosen"):
         ss.read_measurements(path, columns={"mu": 5, "F_t": 2})
+
+
+STEP = [(80, 0.0926), (200, 0.0692), (320, 0.058)]
+"""Sliding speeds in mm/s and coefficients of a step of a traction machine."""
+
+
+def traction(copied=True, names="Ball Speed 1\tDisc Speed 1\tRolling Speed (mm/s)\tSliding Speed (mm/s)\tSRR (%)"):
+    """A step in groups of columns that empty ones part; the first group repeats columns of the others."""
+    first = "Step Time (s)\tTraction Coeff (-)\t\t\tStep Time (s)\tBall Load (N)"
+    header = f"{first}\t\t{names}\t\tTraction Force (N)\tTraction Coeff (-)\t\tRC"
+    rows = [
+        f"{i}\t{mu}\t\t\t{i}\t20\t\t960\t1040\t1000\t{v}\t{v / 10}\t\t{20 * mu:.4f}\t{mu + (not copied)}\t\t"
+        for i, (v, mu) in enumerate(STEP)
+    ]
+    return "\n".join(["Machine 9 Data File", "Number of steps:\t3", "", header, *rows])
+
+
+def test_groups_of_columns_with_copies_and_many_speeds_are_read(tmp_path):
+    """The one that is named a slip speed is the slip speed; a copy is no second coefficient."""
+    path = write(tmp_path, traction())
+    for columns in (None, {"mu": 15}, {"v": 11}, {"v": "Sliding Speed", "mu": "Traction Coeff (-)"}):
+        read = ss.read_measurements(path, columns=columns)
+        assert read.v == pytest.approx([v / 1000 for v, _ in STEP], rel=1e-15)
+        assert read.mu.tolist() == [mu for _, mu in STEP]
+    with pytest.raises(ss.InputError, match=r"column 15, 'Traction Coeff .-.': column 2, .* is mu too"):
+        ss.read_measurements(write(tmp_path, traction(copied=False)))
+    with pytest.raises(ss.InputError, match=r"beside .SRR .%.. this may be the mean speed"):
+        ss.read_measurements(write(tmp_path, traction(names="A\tDisc Speed [mm/s]\tB\tC\tSRR (%)")))
+    with pytest.raises(ss.InputError, match="another header, 'Step Time"):
+        ss.read_measurements(write(tmp_path, f"{traction()}\n\nStep 3\n{traction()}"))
 
 
 def test_columns_are_named_by_the_user(tmp_path):
