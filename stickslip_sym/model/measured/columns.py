@@ -15,6 +15,7 @@ from typing import NamedTuple
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.remedies import Argument
 from stickslip_sym.core.units import SIZES
+from stickslip_sym.model.measured.preamble import WrittenRadius
 
 EXPECTED = "v [m/s],mu or v [mm/s];F_t [N];F_n [N];sigma_mu"
 _ADVICE = (
@@ -215,10 +216,12 @@ def choose_columns(
     chosen: Mapping[str, str | int],
     radius: Fraction | None,
     copies: Container[int] = (),
+    written: WrittenRadius | None = None,
 ) -> dict[str, Column]:
     """Return which column holds which quantity: those the user chose, and those that are understood.
 
     - `copies`: numbers of columns that repeat the name and the cells of an earlier one.
+    - `written`: the radius of the track that stands above the table.
     """
     read = [Column.read(cell, number) for number, cell in enumerate(cells, 1)]
     headers = [replace(header, meanings=()) if header.number in copies else header for header in read]
@@ -239,7 +242,7 @@ def choose_columns(
             meanings = tuple(name for name in header.possible or meanings if name in ("v", "sigma_mu", "n"))
         if meanings:
             column = replace(header, meanings=meanings)
-            fault = _fault(column, columns, radius)
+            fault = _fault(column, columns, radius, written)
             if rolling and column.meanings == ("v",) and "v" not in chosen and not _OF_SLIP.search(column.name):
                 fault = (
                     f"beside {_quoted(rolling.text)} this may be the mean speed of two rolling bodies, and the "
@@ -299,7 +302,9 @@ def _chosen(
     )
 
 
-def _fault(column: Column, columns: Mapping[str, Column], radius: Fraction | None) -> str:
+def _fault(
+    column: Column, columns: Mapping[str, Column], radius: Fraction | None, written: WrittenRadius | None
+) -> str:
     """Return what is wrong with a column that is understood: its unit, two meanings, or another one like it."""
     unit, possible = column.unit, column.possible
     if not possible or (column.unit_text and unit is None):
@@ -307,9 +312,15 @@ def _fault(column: Column, columns: Mapping[str, Column], radius: Fraction | Non
         return f"{_quoted(column.unit_text)} is no unit {'' if unit else 'known here '}{example}"
     if "v" in possible and unit is None and column.text.strip("\"' ") not in ("v", ""):  # V may be volts
         return "a speed without a unit; write v [m/s], or v [mm/s], whichever it is"
-    if column.turns and radius is None:
-        like = Argument("radius", 0.03)
-        return f"{column.unit_text} is a rotational speed; give the radius of the track in m, like {like}"
+    if column.turns and radius is None and (written is None or written.size is None):
+        need = f"{column.unit_text} is a rotational speed; give the radius of the track"
+        if written is None:
+            return f"{need} in m, like {Argument('radius', 0.03)}"
+        length = f"{written.text} mm" if written.text[-1].isdigit() else written.text
+        return (
+            f"{need}: line {written.line} has {_quoted(written.name)} = {written.text}; if that is the track's in "
+            f"{length.split()[-1]}, {Argument('radius', length)}"
+        )
     if len(possible) > 1:
         return f"this may be {' or '.join(possible)}"
     if column.unit_text == "%" and possible[0] == "sigma_mu":

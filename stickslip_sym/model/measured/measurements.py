@@ -316,7 +316,7 @@ def read_measurements(
         ``sigma_F_t`` or ``n``, and the column's name or its number from 1; a unit may follow, ``"2 [mm/s]"``.
     radius : number, optional
         Of the track in m, or with its unit, ``"25 mm"``, where the speed is a rotational one, like rpm; above 1
-        the unit is required.
+        the unit is required. A radius of the track with its unit in the lines above the header is taken.
     speeds : tuple of two numbers or None, optional
         The slip speeds in m/s, from and to, of the rows to read.
     leave_out : bool
@@ -363,7 +363,7 @@ def read_measurements(
         )
     path = Path(path)
     table = read_table(path, columns or {}, track, leave_out=leave_out)
-    v, mu, sigma, direction, notes = _fold(table, track or Fraction(1))
+    v, mu, sigma, direction, notes = _fold(table, table.radius or Fraction(1))
     order = np.argsort(v, kind="stable")
     order = order[(v[order] >= low) & (v[order] <= high)]
     if not len(order):
@@ -451,7 +451,8 @@ def _columns_in_words(table: Table) -> list[str]:
     weighed = [key for key in ("F_t", "F_n") if key in columns and columns[key].is_mass]
     more += [f"{key} in {columns[key].unit_text} taken for weights" for key in weighed]
     speed = f"v in {columns['v'].unit_text}" if columns["v"].unit_text else "v taken to be in m/s"
-    return ["no header"] * (not columns["v"].text) + [speed, f"mu from {mu}", *more]
+    radius = [table.said_of_radius] if table.said_of_radius else []
+    return ["no header"] * (not columns["v"].text) + [speed, *radius, f"mu from {mu}", *more]
 
 
 def _outliers(v: FloatArray, y: FloatArray) -> BoolArray:

@@ -19,6 +19,7 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.foreign import printable
 from stickslip_sym.core.remedies import Argument
 from stickslip_sym.model.measured.columns import EXPECTED, Column, choose_columns, is_header, read_unit
+from stickslip_sym.model.measured.preamble import written_radius
 from stickslip_sym.output.files import read_bytes
 
 SEPARATORS = "\t;|, "
@@ -60,6 +61,8 @@ class Table:
     lines: list[int] = field(default_factory=list)
     cells: dict[str, list[str]] = field(default_factory=dict)
     faults: dict[str, list[int]] = field(default_factory=dict)
+    radius: Fraction | None = None  # of the track, in m
+    said_of_radius: str = ""  # where it was read in the file
 
     def floats(self, quantity: str) -> FloatArray:
         """Return a column as it stands in the file, in double precision."""
@@ -135,10 +138,16 @@ def read_table(path: Path, chosen: Mapping[str, str | int], radius: Fraction | N
         raise InputError(f"{name} has over {MOST_ROWS} rows; average them to fewer")
     cells = [(line.number, _cells(line.text, separator)) for line in rows]
     copies = _copies(header, cells)
-    columns = choose_columns(header, where, chosen if any(header) or chosen else _FIRST_TWO, radius, copies)
+    above = [(line.number, _cells(line.text, separator)) for line in lines if line.number < rows[0].number]
+    written = written_radius(above[-_LOOKED_AT:])
+    columns = choose_columns(
+        header, where, chosen if any(header) or chosen else _FIRST_TWO, radius, copies, written
+    )
     read = {column.number for column in columns.values()}
     unread = [text for number, text in enumerate(header, 1) if number not in read and text]
-    table = Table(name, columns, unread, leave_out)
+    table = Table(name, columns, unread, leave_out, radius=radius)
+    if radius is None and written is not None and columns["v"].turns:
+        table.radius, table.said_of_radius = written.size, f"radius {written.text} from line {written.line}"
     _fill(table, cells, header, separator)
     for quantity in columns:
         good = ~_stand_ins(table.floats(quantity), table.cells[quantity])

@@ -402,6 +402,42 @@ def test_groups_of_columns_with_copies_and_many_speeds_are_read(tmp_path):
         ss.read_measurements(write(tmp_path, f"{traction()}\n\nStep 3\n{traction()}"))
 
 
+LOGGER = "Step, Time,DAQ.Fz (N),DAQ.Fx (N),DAQ.COF (),Rotary.Velocity (rpm),XYZ.X Position (mm),"
+
+
+def test_a_logger_with_its_radius_above_the_table_is_read_after_one_hint(tmp_path):
+    """Preamble lines parted by a bare carriage return, commas at the ends, no unit of the radius."""
+    rows = "".join(f"4,{i}.100,4.99,1.2,{0.3 - 0.01 * i:.2f},{60 * i},0,\n" for i in (1, 2, 3))
+    path = write(tmp_path, f"Recipe, Averaging, Radius\rspeeds,1000,12,\r\n{LOGGER}\r\n{rows}")
+    with pytest.raises(ss.InputError, match=r'line 1 has .Radius. = 12; if .* in mm, radius="12 mm"'):
+        ss.read_measurements(path)
+    read = ss.read_measurements(path, radius="12 mm")
+    assert read.v == pytest.approx(2 * np.pi * 0.012 * np.array([1, 2, 3]), rel=1e-15)
+    assert read.mu.tolist() == [0.29, 0.28, 0.27]
+
+
+@pytest.mark.parametrize(
+    ("preamble", "metres"),
+    [("Disc track radius used for this step (mm);21.000", 0.021), ("Track radius: 12 mm", 0.012),
+     ("# wear track radius = 1.5 cm", 0.015), ("Date;Track radius [mm]\n3.4.;30", 0.03),
+     ("Track radius;12;mm", 0.012), ("Track radius;1,5 cm", 0.015), ("Track radius;1,500 cm", None),
+     ("Ball radius (mm);3", None), ("Radius (mm);3", None), ("Track radius;12", None),
+     ("Track radius;12 mm\nTrack radius;13 mm", None)],
+)  # fmt: skip
+def test_the_radius_of_the_track_is_taken_where_it_is_certain(tmp_path, preamble, metres):
+    path = write(tmp_path, f"{preamble}\nSpeed (rpm);COF\n60;0.4\n120;0.3\n")
+    if metres is None:
+        with pytest.raises(ss.InputError, match="give the radius of the track"):
+            ss.read_measurements(path)
+    else:
+        read = ss.read_measurements(path)
+        assert read.v == pytest.approx(2 * np.pi * metres * np.array([1, 2]), rel=1e-15)
+        assert re.search(r"v in rpm, radius .* from line 1, mu from", str(read))
+    assert ss.read_measurements(path, radius=1).v == pytest.approx(2 * np.pi * np.array([1, 2]), rel=1e-15)
+    linear = write(tmp_path, f"{preamble}\nSpeed (m/s);COF\n60;0.4\n")
+    assert ss.read_measurements(linear).v.tolist() == [60]
+
+
 def test_columns_are_named_by_the_user(tmp_path):
     text = "Rotation [rpm]\tReading X\tTorque [Nm]\n100\t0.4\t1\n200\t0.35\t2\n300\t0.34\t3\n"
     path = write(tmp_path, text)
