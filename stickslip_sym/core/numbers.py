@@ -23,7 +23,7 @@ from mpmath.libmp import from_rational, to_rational
 from stickslip_sym.core.aliases import Expr, FloatArray, Mpf, Rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.remedies import Name
-from stickslip_sym.core.units import has_error, in_si, without_unit
+from stickslip_sym.core.units import has_error, in_si, unknown_unit, without_unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -74,6 +74,8 @@ def _from_text(text: str, name: str) -> Fraction:
         with suppress(ZeroDivisionError):
             return reduce(truediv, map(Fraction, parts))
     _refuse_error(text, name)
+    if (unit := unknown_unit(text)) is not None:
+        raise InputError(Name(name), f" = {text.strip()[:60]!r} has the unit {unit!r}, which is not known here")
     raise InputError(Name(name), f" = {text[:60]!r} is not a number; write it like 0.5, 5e-1 or 1/2")
 
 

@@ -16,15 +16,17 @@ SIZES = {
     "length": "nm 1e-9, um 1e-6, μm 1e-6, micron 1e-6, mm 1e-3, cm 1e-2, dm 1e-1, m 1, km 1e3, in 0.0254, "
               "inch 0.0254, ft 0.3048, mi 1609.344",
     "time": "ms 1e-3, s 1, sec 1, second 1, min 60, minute 60, h 3600, hr 3600, hour 3600",
-    "mass": "mg 1e-6, g 1e-3, kg 1, t 1e3, lb 0.45359237",
+    "mass": "mg 1e-6, g 1e-3, kg 1, t 1e3, lb 0.45359237, lbm 0.45359237, oz 0.028349523125, "
+            "slug 14.593902937206364829396325459317585302",
+    "frequency": "Hz 1, kHz 1e3",
     "speed": "mps 1, kph 5/18, kmh 5/18, mph 0.44704, ips 0.0254, fps 0.3048, fpm 0.00508, knot 463/900",
     "force": "nN 1e-9, uN 1e-6, μN 1e-6, mN 1e-3, cN 1e-2, N 1, newton 1, daN 10, kN 1e3, MN 1e6, kgf 9.80665, "
              "kp 9.80665, gf 0.00980665, lbf 4.4482216152605, ozf 0.27801385095378125, dyn 1e-5",
     "number": "1 1, % 1/100",
 }  # fmt: skip
 """Sizes in SI units. Capitals count, as they tell mN from MN."""
-_POWERS = {"length": (1, 0, 0), "time": (0, 1, 0), "mass": (0, 0, 1), "speed": (1, -1, 0), "force": (1, -2, 1),
-           "number": (0, 0, 0)}  # fmt: skip
+_POWERS = {"length": (1, 0, 0), "time": (0, 1, 0), "mass": (0, 0, 1), "frequency": (0, -1, 0), "speed": (1, -1, 0),
+           "force": (1, -2, 1), "number": (0, 0, 0)}  # fmt: skip
 """Powers of m, s and kg."""
 _UNITS = {
     name: (Fraction(size), _POWERS[kind])
@@ -34,8 +36,11 @@ _UNITS = {
 _ARGUMENTS = {"radius": "m", "speeds": "m/s", "x0": "m", "v0": "m/s", "t_end": "s"}
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻−\N{MICRO SIGN}", "0123456789--μ")
 _WITH_UNIT = re.compile(
-    r"\s*(?P<number>[-+(\d.].*?)\s*(?P<unit>(?:1/)?(?![eE][-+]?\d)[A-Za-zμ%][A-Za-zμ%\d\s*·/^.-]*?)\s*"
+    r"\s*(?P<number>[-+(\d.].*?)\s*(?P<unit>(?:1/)?(?![eE][-+]?\d)[A-Za-zμ%][A-Za-zμ%\d\s*·/^.()-]*?)\s*"
 )
+_BELOW_IN_BRACKETS = re.compile(r"/\(\s*([A-Za-zμ]+)\s*/\s*([A-Za-zμ]+)\s*\)")  # N/(m/s) is N s/m
+_FORCE_SECONDS = re.compile(r"(?<![A-Za-zμ])([kmMμ]?N)s(?![A-Za-zμ])")  # Ns/m is N s/m
+_SPEED_IN_CAPITALS = re.compile(r"(MM|CM|M|KM|IN|FT)/(S|SEC|MIN|H|HR)")  # as some instruments write them
 _FACTOR = re.compile(r"(?P<name>1|[A-Za-zμ%]+)\^?(?P<power>-?\d)?")
 _DECIMAL = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,4})?"
 _SIZE = rf"{_DECIMAL}(?:/{_DECIMAL})?"
@@ -49,8 +54,13 @@ _DIGITS = 40  # of a number that no decimal is
 def dimensions(text: str) -> tuple[Fraction, tuple[int, ...]] | None:
     """Return the size of a unit in SI units, and its powers of m, s and kg; None for one that is not known."""
     size, powers = Fraction(1), tuple[int, ...]((0, 0, 0))
-    for i, product in enumerate(text.translate(_SUPERSCRIPTS).replace("**", "^").split("/")):
-        for factor in re.split(r"[\s*·]+", product.strip()):
+    text = text.translate(_SUPERSCRIPTS).replace("**", "^")
+    text = _BELOW_IN_BRACKETS.sub(r" \2/\1", text)
+    text = _FORCE_SECONDS.sub(r"\1 s", text)
+    if _SPEED_IN_CAPITALS.fullmatch(text):
+        text = text.lower()
+    for i, product in enumerate(text.split("/")):
+        for factor in re.split(r"[\s*·.]+", product.strip()):
             match = _FACTOR.fullmatch(factor)
             if match is None or match["name"] not in _UNITS:
                 return None
@@ -93,6 +103,14 @@ def in_si(value: Any, name: str, unit: str | None = None) -> Any:
 def has_no_unit(text: str) -> bool:
     """Return whether no unit stands behind a number."""
     return _WITH_UNIT.fullmatch(text.translate(_SUPERSCRIPTS)) is None
+
+
+def unknown_unit(text: str) -> str | None:
+    """Return the unit behind a number if it is not known; None where it is, or where there is none."""
+    match = _WITH_UNIT.fullmatch(text.translate(_SUPERSCRIPTS))
+    if match is None or _NUMBER.fullmatch(match["number"]) is None or dimensions(match["unit"]) is not None:
+        return None
+    return match["unit"]
 
 
 def has_error(text: str) -> bool:

@@ -1,5 +1,6 @@
 """Numbers with units, against the same numbers in SI units, wherever a number is read."""
 
+import re
 from fractions import Fraction
 from types import SimpleNamespace
 
@@ -15,11 +16,32 @@ from stickslip_sym.core.numbers import fraction
 from stickslip_sym.core.uncertain import split
 
 UNITS = {
-    "V": {"mm/s": "0.001", "m/s": "1", "km/h": "5/18", "mm s^-1": "0.001", "m·s⁻¹": "1", "um/s": "1e-6"},
+    "V": {
+        "mm/s": "0.001",
+        "m/s": "1",
+        "km/h": "5/18",
+        "mm s^-1": "0.001",
+        "m·s⁻¹": "1",
+        "um/s": "1e-6",
+        "MM/S": "0.001",
+        "M/MIN": "1/60",
+    },
     "N": {"kN": "1000", "N": "1", "mN": "0.001", "kg m/s^2": "1", "kg mm/s/s": "0.001"},
-    "m": {"g": "0.001", "kg": "1", "t": "1000"},
+    "m": {"g": "0.001", "kg": "1", "t": "1000", "lbm": "0.45359237", "oz": "0.028349523125"},
     "k": {"N/mm": "1000", "kN/m": "1000", "N/m": "1", "kg/s^2": "1", "N mm⁻¹": "1000"},
-    "c": {"kg/s": "1", "N s/m": "1", "N*s/mm": "1000", "g/s": "0.001"},
+    "c": {
+        "kg/s": "1",
+        "N s/m": "1",
+        "N*s/mm": "1000",
+        "g/s": "0.001",
+        "Ns/m": "1",
+        "N.s/m": "1",
+        "N/(m/s)": "1",
+        "kNs/m": "1000",
+        "N/(mm/s)": "1000",
+        "kg Hz": "1",
+        "mNs/mm": "1",
+    },
 }
 CASES = [(name, unit, size) for name, units in UNITS.items() for unit, size in units.items()]
 
@@ -166,6 +188,12 @@ def test_what_is_no_number_before_a_unit_is_refused(text):
 def test_a_standard_error_that_is_not_used_is_named(value):
     with pytest.raises(ss.InputError, match=r"V = .* has a standard error, and none is used here; give"):
         ss.Oscillator(V=value, N=9.81, m=1, k=100)
+
+
+@pytest.mark.parametrize("unit", ["rev/min", "furlong/s", "N/(m", "Nss/m", "mm/S"])
+def test_a_unit_that_is_not_known_is_named(unit):
+    with pytest.raises(ss.InputError, match=re.escape(f"has the unit {unit!r}, which is not known here")):
+        fraction(f"2 {unit}", "V")
 
 
 def test_quotients_with_units_are_exact():

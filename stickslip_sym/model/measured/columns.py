@@ -53,6 +53,7 @@ _UNITS = {
 _UNITS |= {
     "rpm": Unit("rotation", _TURN / 60),
     "RPM": Unit("rotation", _TURN / 60),
+    "Hz": Unit("rotation", _TURN),  # of a speed: turns in a second
     "rps": Unit("rotation", _TURN),
     "kg": Unit("force", Fraction("9.80665")),  # of a load that weighs as much
 }
@@ -63,13 +64,23 @@ _WEIGHTS = {
 """Units of mass that a column of a force is in: those of what weighs as much."""
 _ANGLES = {"rad": Fraction(1), "deg": _TURN / 360, "°": _TURN / 360}
 _ANGLES |= dict.fromkeys(("rev", "r", "U", "1", "turn", ""), _TURN)
+_POWER_OF_TEN = re.compile(r"(?:10(?:\^|\*\*)?|1[eE])(?P<power>[+-]\d\d?)[ *·]*(?P<unit>[^\W\d].*)")  # 10^-3 m/s
+_SUPERSCRIPT = re.compile("[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+")
 _INVERSE = re.compile(r"[ *.·]?(\w+?)(?:\^|\*\*)?[-−]1$")
+
+
+def _power(match: re.Match[str]) -> str:
+    """Return a power in small raised digits as ^-1."""
+    return "^" + match[0].replace("⁻", "-").translate(str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789"))
 
 
 def read_unit(text: str) -> Unit | None:
     """Return the unit that a text names, like ``mm/s``, ``mm s^-1``, ``mm·s⁻¹`` or ``rpm``; None if not known."""
-    text = " ".join(text.replace("\N{MICRO SIGN}", "μ").replace("⁻¹", "^-1").split())
+    text = " ".join(_SUPERSCRIPT.sub(_power, text.replace("\N{MICRO SIGN}", "μ")).split())
     text = re.sub(r"^([^\W_]+)(?:_per_|_| per )([^\W_]+)$", r"\1/\2", text)  # mm_s
+    if power := _POWER_OF_TEN.fullmatch(text):
+        unit = read_unit(power["unit"])
+        return None if unit is None else Unit(unit.kind, unit.size * Fraction(10) ** int(power["power"]))
     if "/" in text and text.isupper():  # MM/S; no unit of a speed differs from another by its capitals alone
         text = text.lower()
     known = _UNITS.get(text)

@@ -16,7 +16,8 @@ from stickslip_sym.model.measured.measurements import Measurements
 
 SPEED_UNITS = {"m/s": 1, "mm/s": 1000, "cm/s": 100, "um/s": 10**6, "m/min": 60, "km/h": Fraction(18, 5),
                "in/s": 1 / Fraction("0.0254"), "mm s^-1": 1000, "m·s⁻¹": 1, "mm/min": 60000, "nm/s": 10**9,
-               "µm/s": 10**6, "mm_s": 1000, "mm/sec": 1000, "MM/S": 1000, "M/MIN": 60}  # fmt: skip
+               "µm/s": 10**6, "mm_s": 1000, "mm/sec": 1000, "MM/S": 1000, "M/MIN": 60,
+               "10⁻³ m/s": 1000, "10^-6 m/s": 10**6}  # fmt: skip
 FORCE_UNITS = {
     "N": 1,
     "kN": Fraction(1, 1000),
@@ -134,7 +135,7 @@ def test_chosen_columns_win_whatever_the_title_looks_like(folder, seed, title, n
 @pytest.mark.parametrize(
     "name", ["Speed (rpm)", "Spindle speed, rpm", "speed_rpm", "RPM", "rpm of the spindle", "n (1/min)",
              "Speed [1/min]", "Rotation speed [1/min]", "Rotation [rpm]", "Drehzahl in U/min",
-             "rotational speed [rev/min]"],
+             "rotational speed [rev/min]", "Speed (REV/MIN)"],
 )  # fmt: skip
 def test_rotations_stand_in_any_position(tmp_path, name):
     path = write(tmp_path, f"{name};mu\n60;0.4\n120;0.3\n")
