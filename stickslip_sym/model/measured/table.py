@@ -20,6 +20,7 @@ from stickslip_sym.core.foreign import printable
 from stickslip_sym.core.remedies import Argument
 from stickslip_sym.model.measured.columns import EXPECTED, Column, choose_columns, is_header, read_unit
 from stickslip_sym.model.measured.preamble import written_radius
+from stickslip_sym.model.measured.values import is_value, split_values
 from stickslip_sym.output.files import read_bytes
 
 SEPARATORS = "\t;|, "
@@ -136,7 +137,7 @@ def read_table(path: Path, chosen: Mapping[str, str | int], radius: Fraction | N
     separator, header, where, rows = _layout_of_chosen(lines, name) if chosen else _layout(lines, name)
     if len(rows) > MOST_ROWS:
         raise InputError(f"{name} has over {MOST_ROWS} rows; average them to fewer")
-    cells = [(line.number, _cells(line.text, separator)) for line in rows]
+    header, cells = split_values(header, [(line.number, _cells(line.text, separator)) for line in rows])
     copies = _copies(header, cells)
     above = [(line.number, _cells(line.text, separator)) for line in lines if line.number < rows[0].number]
     written = written_radius(above[-_LOOKED_AT:])
@@ -221,7 +222,7 @@ def _layout_of_chosen(lines: Sequence[_Line], name: str) -> tuple[str, list[str]
     for line in rows[:_LOOKED_AT]:
         for mark in SEPARATORS:
             cells = _names(line.text, mark)
-            filled = [_is_number(cell) for cell in cells if cell]
+            filled = [is_value(cell) for cell in cells if cell]
             if sum(filled) > 1 and 2 * sum(filled) > len(filled):
                 widths[all(filled), mark, len(cells)] += 1
     if not widths:
@@ -230,7 +231,7 @@ def _layout_of_chosen(lines: Sequence[_Line], name: str) -> tuple[str, list[str]
     first = next(
         i for i, line in enumerate(rows)
         if len(cells := _names(line.text, mark)) == count
-        and (all if whole else any)(_is_number(cell) for cell in cells if cell)
+        and (all if whole else any)(is_value(cell) for cell in cells if cell)
     )  # fmt: skip
     above = lines[: lines.index(rows[first])]
     wide = [(line, _names(line.text, mark)) for line in above if _as_wide(line.text, rows[first].text, mark)]
@@ -267,7 +268,7 @@ def _layout(lines: Sequence[_Line], name: str) -> tuple[str, list[str], str, lis
                 start += 1
                 first[mark] = _names(rows[start].text, mark) if start < len(rows) else []
             fits = len(first[mark]) == len(cells[mark]) if mark == " " else len(first[mark]) > 1
-            if fits and any(map(_is_number, first[mark])):
+            if fits and any(map(is_value, first[mark])):
                 return mark, cells[mark], where, rows[start:]
         if named and not line.comment:
             raise InputError(
@@ -300,6 +301,8 @@ def _layout(lines: Sequence[_Line], name: str) -> tuple[str, list[str], str, lis
 def _copies(header: Sequence[str], rows: Sequence[_Row]) -> set[int]:
     """Return the numbers of columns that repeat the name and all cells of an earlier one."""
     copies = set[int]()
+    if len(set(filter(None, header))) == len(list(filter(None, header))):
+        return copies
     wide = [row for _, row in rows if len(row) >= len(header)]
     for number, name in enumerate(header):
         first = header.index(name)

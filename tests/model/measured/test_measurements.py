@@ -439,6 +439,36 @@ def test_the_radius_of_the_track_is_taken_where_it_is_certain(tmp_path, preamble
     assert ss.read_measurements(linear).v.tolist() == [60]
 
 
+CELLS = [
+    ("v [m/s],mu\n0.1,0.44(5)\n0.2,0.4(1)\n", [0.1, 0.2], [0.44, 0.4], [0.05, 0.1]),
+    ("v [m/s];mu\n0,1;0,44 ± 0,05\n0,2;0,4 +/- 0,1\n", [0.1, 0.2], [0.44, 0.4], [0.05, 0.1]),
+    ("V,mu\n10 mm/s,0.44\n20 mm/s,0.4\n", [0.01, 0.02], [0.44, 0.4], None),
+    ("V (mm/s);mu\n10 mm/s;0,44(5)\n20mm/s;0,4(1)\n", [0.01, 0.02], [0.44, 0.4], [0.05, 0.1]),
+    ("v [m/s]\tF_t\tF_n\n0.1(1)\t4.4(5) N\t0.01 kN\n0.2(1)\t4.0(10) N\t0.01 kN\n", [0.1, 0.2], [0.44, 0.4],
+     [0.05, 0.1]),
+    ("v [m/s],mu\n0.1,44 %\n0.2,40 %\n", [0.1, 0.2], [0.44, 0.4], None),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "v", "mu", "sigma"), CELLS)
+def test_cells_with_standard_errors_and_units_are_read(tmp_path, text, v, mu, sigma):
+    path = write(tmp_path, text)
+    for columns in (None, {"v": 1}):
+        read = ss.read_measurements(path, columns=columns)
+        assert (read.v.tolist(), read.mu.tolist()) == (v, mu)
+        assert (None if read.sigma is None else read.sigma.tolist()) == sigma
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["v [m/s],mu\n0.1,0.44(5)\n0.2,0.4\n", "v,mu\n0.1 m/s,0.44\n20 mm/s,0.4\n", "v [m/s],mu\n0.1 mm/s,0.4\n",
+     "v [m/s],mu\n0.1,0.44(5)\n0.2,0.4(1),0.3\n", "v [m/s],mu\n0.1,0.44\n0.2,0.4(1)\n"],
+)  # fmt: skip
+def test_cells_that_are_written_in_two_ways_are_refused(tmp_path, text):
+    with pytest.raises(ss.InputError, match=r"line [23], column|without a unit|line 3.* the row has 3 columns"):
+        ss.read_measurements(write(tmp_path, text))
+
+
 def test_columns_are_named_by_the_user(tmp_path):
     text = "Rotation [rpm]\tReading X\tTorque [Nm]\n100\t0.4\t1\n200\t0.35\t2\n300\t0.34\t3\n"
     path = write(tmp_path, text)
