@@ -322,7 +322,8 @@ def read_measurements(
     leave_out : bool
         Leave out rows that are no measurements, and count them, instead of refusing the first: cells without a
         number, summaries like a mean, numbers that stand for none like -999 or 9.9E37, abs(mu) above 5, and
-        outliers.
+        outliers. Rows that follow each other, stand at even steps or are of one end of the speeds are refused all
+        the same: what remains would be no fair sample.
     keep_outliers : bool
         Keep rows more than 6 robust standard deviations off a smooth curve.
     bins : int, optional
@@ -389,6 +390,7 @@ def read_measurements(
         rule += str(Argument("keep_outliers", True))
         table.require(smooth, "F_t" if "F_t" in table.cells else "mu", rule, "off a smooth curve")
         order = order[~off]
+    table.refuse_systematic()
     if table.faults:
         notes.append(f"rows left out: {table.left_out}")
     if table.unread:

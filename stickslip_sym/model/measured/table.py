@@ -1,6 +1,7 @@
 """A text file of columns: how they are parted, which line is the header, and the numbers that are read."""
 
 import csv
+import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -8,7 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from decimal import Decimal, localcontext
 from fractions import Fraction
-from itertools import repeat
+from itertools import pairwise, repeat
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
@@ -45,6 +46,8 @@ _OVERFLOW = 1e30  # what instruments write in place of a value out of range is l
 _FIRST_TWO = {"v": 1, "mu": 2}
 """The columns of a table of two without a header."""
 _WORKBOOKS = {b"PK\x03\x04": ".xlsx or .ods", b"\xd0\xcf\x11\xe0": ".xls"}
+_SUMMARIES = 4  # rows of one: mean, deviation, least, largest
+_FEWEST_SYSTEMATIC = 3  # rows left out, of which it can be said that they are of one end of the speeds
 _MOST_LEFT_OUT = 0.2  # share of the rows that break a rule, above which columns or units are not what they seem
 _Row: TypeAlias = tuple[int, list[str]]  # its line, and its cells
 _FAULTY = "; mend the row, begin it with #, or leave out rows like it: ", Argument("leave_out", True)
@@ -64,6 +67,7 @@ class Table:
     faults: dict[str, list[int]] = field(default_factory=dict)
     radius: Fraction | None = None  # of the track, in m
     said_of_radius: str = ""  # where it was read in the file
+    without: dict[int, float] = field(default_factory=dict)  # lines of numbers left out, and their v, if known
 
     def floats(self, quantity: str) -> FloatArray:
         """Return a column as it stands in the file, in double precision."""
@@ -90,6 +94,37 @@ class Table:
             raise InputError(f"{where}: {rule}; got {got}", *_FAULTY)
         self.faults.setdefault(reason, []).append(line)
 
+    def refuse_systematic(self) -> None:
+        """Refuse to leave out a block of rows, rows at even steps, or one end of the speeds.
+
+        A law of what remains would be another one.
+        """
+        lost = sorted(self.without)
+        if len(lost) < _FEWEST_SYSTEMATIC:
+            return
+        place = {line: i for i, line in enumerate(sorted([*self.lines, *lost]))}
+        steps = [place[after] - place[before] for before, after in pairwise(lost)]
+        run = longest = 1
+        for step in steps:
+            run = run + 1 if step == 1 else 1
+            longest = max(longest, run)
+        speeds = np.abs(np.array(list(self.without.values())))
+        kept = np.abs(self.floats("v"))
+        what = ""
+        if longest > _SUMMARIES:
+            what = f"{longest} of them follow each other"
+        elif len(lost) > _SUMMARIES and len(set(steps)) == 1:
+            what = f"they are every {steps[0]} rows"
+        elif np.isfinite(speeds).all() and (speeds.min() > kept.max() or speeds.max() < kept.min()):
+            what = f"they are those of the {'highest' if speeds.min() > kept.max() else 'lowest'} speeds"
+        if what:
+            shown = ", ".join(map(str, lost[:_SUMMARIES])) + ", ..." * (len(lost) > _SUMMARIES)
+            raise InputError(
+                f"{self.name}: {len(lost)} of {len(place)} rows would be left out (lines {shown}), and {what}, so "
+                f"that the rest is no fair sample: {self.left_out}; mend them, or delete them if they are known "
+                "to be wrong"
+            )
+
     def require(
         self, keep: BoolArray, quantity: str, rule: str, reason: str, *, stands_for_none: bool = False
     ) -> None:
@@ -103,6 +138,8 @@ class Table:
         for row in np.flatnonzero(~keep).tolist():
             got = f"{quantity} = {self.cells[quantity][row]}"
             self.fault(self.lines[row], self.place(row, quantity), got, rule, reason)
+            stands_in = stands_for_none and quantity == "v"
+            self.without[self.lines[row]] = math.nan if stands_in else float(self.cells["v"][row])
         rows = np.flatnonzero(keep).tolist()
         self.lines = [self.lines[i] for i in rows]
         self.cells = {name: [cells[i] for i in rows] for name, cells in self.cells.items()}
@@ -351,6 +388,10 @@ def _fill(table: Table, rows: Sequence[_Row], header: list[str], separator: str)
         later = [(line, row)] if table.leave_out else [other for other in rows if other[0] >= line]
         _refuse_second_table(table, later, separator)
         table.fault(line, f"{table.name}, line {line}, column {column}", repr(got), rule, reason)
+        if any(map(_is_number, row)):
+            v = table.columns["v"].number - 1
+            is_known = v < len(row) and _NUMBERS[sign].fullmatch(row[v])
+            table.without[line] = float(row[v].replace(sign, ".")) if is_known else math.nan
 
 
 def _refuse_second_table(table: Table, rows: Sequence[_Row], separator: str) -> None:

@@ -282,6 +282,38 @@ def test_rows_with_faults_are_left_out_and_counted(tmp_path):
             ss.read_measurements(path, leave_out=leave_out)
 
 
+@given(SEEDS)
+def test_what_is_left_out_is_not_systematic(folder, seed):
+    """A block, rows at even steps, and one end of the speeds are refused; scattered rows and a summary are not."""
+    rng = np.random.default_rng(seed)
+    v = rng.permutation(np.round(np.linspace(0.01, 1, 60), 4))
+    bad = str(rng.choice(["n/a", "9.91E+37", "x"]))
+    step, begin = int(rng.integers(2, 8)), int(rng.integers(0, 10))
+    ends = np.argsort(v)
+    lost = {
+        "follow each other": range(begin, begin + int(rng.integers(5, 12))),
+        f"every {step} rows": range(begin, begin + 6 * step, step),
+        "highest speeds": ends[-4:],
+        "lowest speeds": ends[:3],
+        "": [3, 17, 22, 48, int(ends[-1])],
+    }
+
+    def read(rows, more=()):
+        lines = [f"{a},{bad if i in rows else f'{0.4 - 0.1 * a:.5f}'}" for i, a in enumerate(v)]
+        return ss.read_measurements(write(folder, "\n".join(["v,mu", *lines, *more])), leave_out=True)
+
+    for words, rows in lost.items():
+        chosen = set(map(int, rows))
+        apart = sorted(chosen)
+        if not words:
+            assert len(read(chosen, ["Mean,0.3", "SD,0.1", "Min,0.2", "Max,0.4"])) == len(v) - len(chosen)
+            continue
+        if "speeds" in words and (np.diff(apart) == 1).sum() > 2:
+            continue
+        with pytest.raises(ss.InputError, match=rf"{len(chosen)} of 60 rows would be left out .*{words}"):
+            read(chosen)
+
+
 SOME = ["exponential", "stribeck", "andersson", "quintic"]
 
 
