@@ -327,12 +327,22 @@ def _layout(lines: Sequence[_Line], name: str) -> tuple[str, list[str], str, lis
             break
     if not rows:
         raise InputError(f"{name} has no points; write a line for each, like 0.1,0.35")
+    likest = _likest_header(lines, name) or rows[0]
     raise InputError(
-        f"{name}, line {rows[0].number}: got {rows[0].text[:60]!r}; a table begins with a header that names the "
+        f"{name}, line {likest.number}: got {likest.text[:60]!r}; a table begins with a header that names the "
         f"slip speed and friction, with units in brackets, like {EXPECTED}, or with its first point; number the "
         "columns of one without names, like ",
         Argument("columns", {"v": 1, "mu": 3}),
     )
+
+
+def _likest_header(lines: Sequence[_Line], name: str) -> _Line | None:
+    """Return the line that is above the rows and as wide, for a message; None where there is none."""
+    try:
+        _, _, where, _ = _layout_of_chosen(lines, name)
+    except InputError:
+        return None
+    return next((line for line in lines if where == f"{name}, line {line.number}"), None)
 
 
 def _copies(header: Sequence[str], rows: Sequence[_Row]) -> set[int]:
