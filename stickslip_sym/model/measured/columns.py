@@ -98,7 +98,7 @@ def read_unit(text: str) -> Unit | None:
 _SPREAD = "sigma|sd|std(dev)?|stdev|(standard)?(error|uncertainty)|standarddeviation|err|scatter"
 _BARE_SPREAD = rf"{_SPREAD}|standardabweichung"
 _WORDS: dict[str, tuple[str, ...]] = {
-    r"(v|vel)(1|r|rel|slip|sl|slide|sliding)?|(slip)rate|rpm|drehzahl|(gleit|relativ)?geschwindigkeit": ("v",),
+    r"(v|vel)(1|2|r|rel|slip|sl|slide|sliding)?|(slip)rate|rpm|drehzahl|(gleit|relativ)?geschwindigkeit": ("v",),
     r"(slip|slide|sliding|rel|relative|surface|lin|linear|belt|track|carriage|stage)?(speed|velocity)": ("v",),
     r"(rotational|rotation|angular|spindle|disc|disk)(speed|velocity)": ("v",),
     r"mu[kd]?|cof|f[trfxy]f[nz]|(coefficient|coeff|coef)(friction|traction)": ("mu",),

@@ -610,6 +610,7 @@ REFUSED = {
     "V,mu\n1,2\n": r"column 1, 'V': a speed without a unit; write v \[m/s\]",
     "v,mu,COF\n1,2,3\n": "column 3, 'COF': column 2, 'mu', is mu too; give columns={'mu': 2} or columns={'mu': 3}",
     "Mean Speed [mm/s],SRR (%),mu\n1,50,2\n": "column 1, .*this may be the mean speed of two rolling.*={'v': 1}",
+    "V1 [m/s],V2 [m/s],mu\n1,0.5,2\n": "column 2, 'V2 .m/s.': column 1, 'V1 .m/s.', is v too",
     "v [m/s],Fx [N],Fy [N],Fz [N]\n1,2,3,4\n": "column 2, 'Fx .N.', is F_t too; give columns={'F_t': 2} or",
     "v [m/s],mu,sd [%]\n1,2,3\n": "column 3, 'sd .%.': this may be in per cent of each mu, or of 1",
     "v,friction\n1,2\n": "column 2, 'friction': this may be mu or F_t; choose columns, like columns={'mu': ",
