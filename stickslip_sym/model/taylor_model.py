@@ -3,7 +3,7 @@
 (1 - exp(-v))/v has no ball around v = 0, for each of its terms is infinite there. As a series the terms cancel
 exactly, and what stays is small on balls of any width. So a formula is expanded as a whole: with x = v^(1/unit)
 
-    f = x^low (c_0 + c_1 x + ...) + x^top g(x),    |g(x)| <= rest    wherever |x| <= radius in the complex plane.
+    f = x^low (c_0 + c_1 x + ...) + x^top g(x),    |g(x)| <= rest    for complex |x| <= radius.
 
 Sums, products and powers are those of Taylor models (Makino, Berz: Taylor models and other validated functional
 inclusion methods, Int. J. Pure Appl. Math. 4, 2003); a function's own remainder is bounded by Cauchy's estimate.
@@ -29,6 +29,7 @@ from stickslip_sym.core.precision import working_precision
 from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
 
 _MOST_TERMS = 160  # of a polynomial: more precision than they give is asked for in thousands of digits only
+_FINEST_UNIT = 24  # of v: one power of v takes so many terms, and a finer unit leaves too few powers
 _MOST_MULTIPLIED = 16  # of a whole power that is multiplied out
 _WIDER = 2  # times the size of an argument: the circle on which a function is bounded
 _RADII = 12  # halvings of the radius that are tried
@@ -318,6 +319,8 @@ def _made(expr: Expr, point: tuple[tuple[Expr, Expr], ...], bits: int) -> Taylor
 def _with_pole(expr: Expr, point: Mapping[Expr, Expr], bits: int) -> TaylorModel | None:
     """Return the model of a function that may have a pole at v = 0."""
     unit, count = unit_of_powers(expr, point), min(bits // 3 + 10, _MOST_TERMS)
+    if unit > _FINEST_UNIT:
+        return None
     for halvings in range(_RADII):
         radius = (arb(_lowest_scale(expr, point)) / 2**halvings).root(unit)
         try:

@@ -16,8 +16,8 @@ from sweeps import sweep
 
 from stickslip_sym.core import balls
 from stickslip_sym.core.functions import FUNCTIONS, fold
-from stickslip_sym.core.precision import from_mpmath, in_mpmath, working_precision
-from stickslip_sym.core.special import Langevin, Lerch, NumberPower
+from stickslip_sym.core.precision import from_mpmath, in_mpmath, mp, working_precision
+from stickslip_sym.core.special import Ein, Langevin, Lerch, NumberPower
 
 x = sp.Symbol("x")
 R = sp.Rational
@@ -40,6 +40,7 @@ MPMATH = KNOWN | {
     sp.uppergamma: mpmath.gammainc, sp.expint: mpmath.expint, sp.Ei: mpmath.ei, sp.Si: mpmath.si,
     sp.Ci: mpmath.ci, sp.Shi: mpmath.shi, sp.Chi: mpmath.chi, sp.fresnels: mpmath.fresnels,
     sp.fresnelc: mpmath.fresnelc, sp.re: mpmath.re, sp.im: mpmath.im, sp.arg: mpmath.arg,
+    Ein: lambda z: z * mpmath.hyp2f2(1, 1, 2, 2, -z),
     NumberPower: mpmath.power, Lerch: mpmath.lerchphi,
     Langevin: lambda z, n: mpmath.mpf(1) / 3 if z == 0 else 1 / z**2 - mpmath.csch(z) ** 2,
 }  # fmt: skip
@@ -142,12 +143,12 @@ def test_a_narrow_ball_holds_the_value_by_mpmath(draws):
     for expr in functions(rng, draws, quick):
         # Off the axis: on a cut either side may be meant.
         point = acb(*(arb(rng.choice([-1, 1]) * rng.uniform(0.1, 3)) for _ in range(2)))
-        with working_precision(200), mpmath.workdps(60):
+        with working_precision(200), mpmath.workdps(60), mp.workdps(60):
             ball = balls.ball_function(expr, x, {})(point, False)
             if ball.is_finite() and ball.abs_upper() < 1e6 and ball.rad() < 1e-30:
                 try:
-                    truth = fold(expr, at(in_mpmath(point)))
-                except (mpmath.NoConvergence, ValueError):
+                    truth = fold(expr, at(mpmath.mpc(in_mpmath(point))))
+                except (mpmath.mp.NoConvergence, ValueError):
                     continue
                 looked += 1
                 assert ball.overlaps(from_mpmath(mpmath.mpc(truth), mpmath.mpf("1e-25"))), expr

@@ -16,6 +16,8 @@ from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
+from stickslip_sym.core.precision import working_precision
+from stickslip_sym.model.taylor_model import taylor_model
 from stickslip_sym.motion.slip import Dimensionless
 
 PACKAGE = Path(ss.__file__).parent
@@ -148,7 +150,33 @@ def check_gap():
     assert sp.simplify(sp.log(r_f / r_b).diff(p) - (r_f.diff(p) / r_f - r_b.diff(p) / r_b)) == 0
 
 
+def check_creeping():
+    """How a state moves off the line q = s x, from q' = -x and x' = q - K x."""
+    x, s, beyond = sp.symbols("x s beyond", positive=True)
+    K = s + 1 / s + beyond
+    rate = -x - s * (s * x - K * x)
+    assert sp.expand(rate - (-x - s * (s - K) * x)) == 0
+    assert sp.expand(rate - s * beyond * x) == 0
+
+
+def check_taylor_model():
+    """What the series leaves out of (1 - exp(-v))/v, all around the circle."""
+    v = symbols.v
+    with working_precision(100), mpmath.workdps(40):
+        model = taylor_model((1 - sp.exp(-v)) / v, {})
+        coefficients = [mpmath.mpf(c.mid().str(35, radius=False)) for c in model.polynomial]
+        radius, rest = float(model.radius), float(model.rest.abs_upper())
+        for turn in np.linspace(0, 1, 12):
+            x = mpmath.mpf(radius) * mpmath.expjpi(2 * turn)
+            series = x**model.low * mpmath.polyval(coefficients[::-1], x)
+            off = abs((1 - mpmath.exp(-x)) / x - series)
+            assert off <= radius**model.top * rest * (1 + 1e-9) + 1e-30
+
+
 CHECKS = {
+    "f = x^low (c_0 + c_1 x + ...) + x^top g(x),    |g(x)| <= rest    for complex |x| <= radius.":
+        check_taylor_model,
+    "(q - s x)' = -x - s (s - K) x >= 0    where    K >= s + 1/s.": check_creeping,
     "c = N sum_i amplitude_i/scale_i F_i(V/scale_i).": check_terms,
     "D' = (div f) D + (1 - side w) dw'/dp,    div f = -eta V mu'(V w) - 2 zeta.": check_wedge,
     "dr/dp = dw'/dp - D/r,    dgap/dp = (dr_f/dp)/r_f - (dr_b/dp)/r_b.": check_gap,

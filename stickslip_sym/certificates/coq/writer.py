@@ -6,6 +6,7 @@ from stickslip_sym.certificates.coq.integral import Integral
 from stickslip_sym.certificates.coq.printer import Unsupported
 from stickslip_sym.certificates.coq.slope import Slope
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.remedies import Argument, Name
 from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.output import printing
 
@@ -30,7 +31,8 @@ def coq_script(form: ClosedForm) -> str:
     if not criterion.is_polynomial:
         raise InputError(
             f"a script in Coq has weights that are polynomials, and the criterion {criterion.name!r} has "
-            f"{printing.text(criterion.weight)}; its certificate in SymPy is form.certificate()"
+            f"{printing.text(criterion.weight)}; its certificate in SymPy proves it: ",
+            Argument("language", "sympy"),
         )
     return Integral(form).text()
 
@@ -40,7 +42,7 @@ def coq_script_of_one(forms: Sequence[ClosedForm]) -> str:
     if len(forms) != 1:
         listed = ", ".join(f"{form.law.name or form.law.text} {form.criterion.name}" for form in forms)
         raise InputError(
-            f"a file in Coq holds one proof, and this would be {len(forms)}: {listed}; name one law and one "
-            "--criterion"
+            f"a file in Coq holds one proof, and this would be {len(forms)}: {listed}; name one law and one ",
+            Name("criterion"),
         )
     return coq_script(forms[0])
