@@ -17,9 +17,11 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import Pieces
 from stickslip_sym.motion.kernel.data import ADDED, TIGHT, End, Wedge, no_wedge
-from stickslip_sym.motion.orbits.needed import PARTED, gap, gap_slope, needed_ratio
+from stickslip_sym.motion.orbits.needed import PARTED, STRONG, gap, gap_slope, needed_ratio
 from stickslip_sym.motion.slip import Dimensionless
 
+_LOOSEST = 1e-9  # relative error that is sought in any case: it costs about twice as much as 1e-3
+_LOOSEST_STRONG = 1e-8  # the same where friction is strong: 1e-9 would often take a second search
 _BEYOND = 1.5  # times the highest slip speed, up to which a derivative of the law is tabulated: steps try further
 _FAR = 10.0  # errors from a threshold at which the fate of the slip from P is asked for
 _ADDED = ADDED * TIGHT  # relative error of a slip as a whole
@@ -31,7 +33,7 @@ def grazing_damping(law: BoundLaw, osc: Oscillator, *, rtol: float, fast: bool =
     """Return the damping c in kg/s at which the slip from P grazes the belt's speed, and its error in kg/s.
 
     - `osc`: its own c is not used.
-    - `rtol`: relative error that is wanted.
+    - `rtol`: relative error that is wanted; one of 1e-9 is sought in any case, of 1e-8 where friction is strong.
     - `fast`: compiled where numba is there, for many dampings.
 
     The damping is negative where the slip does not return without any. One that is not computed among many is
@@ -40,7 +42,10 @@ def grazing_damping(law: BoundLaw, osc: Oscillator, *, rtol: float, fast: bool =
     Raises as `needed_ratio`, and `NotConverged` where the slip does something else.
     """
     system = Dimensionless.of(law, osc)
-    zeta, error = needed_ratio(system, rtol=rtol, fast=fast)
+    loosest = _LOOSEST
+    if abs(system.eta) > STRONG:
+        loosest = _LOOSEST_STRONG
+    zeta, error = needed_ratio(system, rtol=min(rtol, loosest), fast=fast)
     unit = 2 * osc.impedance
     if not fast:
         _confirm(system, zeta, _FAR * error)

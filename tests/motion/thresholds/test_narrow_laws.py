@@ -88,6 +88,14 @@ def test_steep_step_is_seen_by_every_method():
     assert ss.pure_slip_damping(law, **point, method="second_order").relative_error > 0.1
 
 
+@pytest.mark.parametrize(("N", "most"), [(1, 1e-9), (100, 1e-9), (1000, 1e-8)])
+def test_threshold_has_its_digits_whatever_error_is_good_enough(N, most):
+    law, point = "0.2 + 0.3*exp(-3*v)", {"V": 0.5, "N": N, "m": 1, "k": 100, "method": "simulation"}
+    found, sure = ss.pure_slip_damping(law, **point), ss.pure_slip_damping(law, **point, rtol=1e-10)
+    assert found.relative_error <= most
+    assert abs(found.value - sure.value) <= found.error + sure.error
+
+
 def test_orbit_that_passes_a_jump_between_its_phases():
     smooth = "0.2 + 0.3*exp(-3*v)"
     law = f"Piecewise(({smooth}, v < 1.00210804), ({smooth} + 0.1, True))"  # 3e-5 below the highest slip speed
