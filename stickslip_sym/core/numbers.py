@@ -116,7 +116,7 @@ def read_array(name: str, value: "ArrayLike", *, finite: bool = True) -> FloatAr
         return np.asarray(real(name, value))
     value = without_unit(value, name)
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
-        raise InputError(Name(name), " holds masked values; leave them out, as by compressed()")
+        raise InputError(Name(name), " holds masked values; leave them out first")
     if isinstance(value, list | tuple) and any(hasattr(item, "unit") or hasattr(item, "units") for item in value):
         value = [without_unit(item, name) for item in value]
     try:
