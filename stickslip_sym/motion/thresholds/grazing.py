@@ -16,7 +16,7 @@ from stickslip_sym.model.expression.pieces import places, rate
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import Pieces
-from stickslip_sym.motion.kernel.data import ADDED, TIGHT, End, Wedge, no_wedge
+from stickslip_sym.motion.kernel.data import ADDED, PRECISE, TIGHT, End, Wedge, no_wedge
 from stickslip_sym.motion.orbits.needed import PARTED, STRONG, gap, gap_slope, needed_ratio
 from stickslip_sym.motion.slip import Dimensionless
 
@@ -24,7 +24,8 @@ _LOOSEST = 1e-9  # relative error that is sought in any case: it costs about twi
 _LOOSEST_STRONG = 1e-8  # the same where friction is strong: 1e-9 would often take a second search
 _BEYOND = 1.5  # times the highest slip speed, up to which a derivative of the law is tabulated: steps try further
 _FAR = 10.0  # errors from a threshold at which the fate of the slip from P is asked for
-_ADDED = ADDED * TIGHT  # relative error of a slip as a whole
+_ADDED = ADDED * TIGHT  # relative error of a slip as a whole, for friction,
+_SPRUNG = ADDED * PRECISE  # and for its steps, over the spring's force: friction may be far weaker
 _MOST_STEPS = 2000  # of such a slip: the search for a threshold takes about as many
 _SAME = 1e-8  # relative distance of two slip speeds that are one, as the highest and one at which mu jumps
 
@@ -59,13 +60,13 @@ def _confirm(system: Dimensionless, zeta: float, off: float) -> None:
     takes many steps, as where it creeps to rest, neither confirms nor refutes.
     """
     largest = abs(zeta) + abs(system.push(1)) + abs(system.eta * system.table.rise(system.V))
-    off = max(off, _ADDED * largest)
-    if off == 0.0:  # nothing but the spring acts, and all orbits are closed
+    if max(off, largest) == 0.0:  # nothing but the spring acts, and all orbits are closed
         return
+    off = max(off, _ADDED * largest + _SPRUNG)
     fates = ((zeta - off, (End.MINIMUM, End.REST), "does not return"), (zeta + off, (End.RETURN,), "returns"))
     for ratio, refuting, does in fates:
         beside = replace(system, zeta=ratio)
-        slip = beside.slip(0.0, 0.0, until=End.MINIMUM, level=1.0, most=_MOST_STEPS)
+        slip = beside.slip(0.0, 0.0, until=End.MINIMUM, level=1.0, rtol=PRECISE, most=_MOST_STEPS)
         check_time()
         if slip.end in refuting:
             raise NotConverged(
