@@ -365,6 +365,11 @@ class _Search:
         is_usable = not factor.has(symbols.v) and self.law.number(factor)
         return factor if is_usable else None
 
+    @cached_property
+    def is_idle(self) -> bool:
+        """Whether mu' does not hold the parameter that is sought: it only shifts mu, and moves no threshold."""
+        return self.amplitude is not None and not self.amplitude.has(self.law.parameters[self.of].symbol)
+
     def _force(self, x: float) -> float:
         """Return the normal force at which the law as it is has the thresholds of another amplitude; 0 if none."""
         if self.amplitude is None:
@@ -415,6 +420,8 @@ class _Search:
         - `sketch`: whether a small part of their distance from c is a small enough error.
         """
         known = self.sketched if sketch else self.sampled
+        if self.is_idle:
+            x = np.full_like(x, self._usual)
         new = sorted({place for place in x.tolist() if place not in known})
         together = np.array([place for place in new if self.is_quantity or self._force(place)])
         if together.size:
@@ -702,8 +709,9 @@ class _Search:
         """
         for rtol in (_FINER * self.rtol, TIGHT, TIGHT):
             result = self._newton(x, max(rtol, TIGHT), width)
+            moved = abs(result.value - x) / (min(width, abs(x)) or abs(x))  # and the sensitivities are those at x
             x, error = result.value, result.relative_error or 0.0  # None of what is defined, not approximated
-            if error <= _FINER * self.rtol:
+            if max(error, _NEAR * moved) <= _FINER * self.rtol:
                 return result
         if error <= self.rtol:
             return result
