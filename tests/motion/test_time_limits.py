@@ -65,9 +65,9 @@ def test_a_late_regime_is_refused():
 
 def test_a_late_threshold_is_given_as_known():
     """A clock that stands still until so many looks at it: where it stops does not depend on the machine."""
-    law = ss.laws.exponential.typical()
+    law, values = ss.laws.exponential.typical(), []
     exact = ss.pure_slip_damping(law, **POINT, method="simulation", rtol=1e-10).value
-    for looks, off in ((4, 0.1), (10, 1e-4), (16, 1e-5)):  # the harmonic balance, and Newton steps
+    for looks in range(4, 31, 3):  # a damping that is tried takes more than three
         with pytest.MonkeyPatch.context() as patch:
             clock = iter([0.0] * looks)
             patch.setattr(deadline.time, "monotonic", lambda clock=clock: next(clock, 1e9))
@@ -76,8 +76,13 @@ def test_a_late_threshold_is_given_as_known():
                 ss.pure_slip_damping(law, **POINT, method="simulation", rtol=1e-10, time_limit=100)
         said = re.search(r"c = (\S+) sqrt.* between (\S+) and (\S+)", str(caught.value))
         value, low, high = (10 * float(number) for number in said.groups())
-        assert value == pytest.approx(exact, rel=off)
-        assert low <= exact <= high
+        assert low <= exact + 5e-6  # six digits are printed
+        assert high >= exact - 5e-6
+        if value not in values:
+            values.append(value)
+    off = np.abs(np.array(values) / exact - 1)
+    assert (off[:3] < [0.1, 1e-4, 1e-5]).all()  # the harmonic balance, and Newton steps
+    assert (off[2:] < 1e-5).all()
 
 
 @pytest.mark.parametrize("seconds_each", [1e-4, 0.3])
