@@ -38,3 +38,12 @@ def test_stick_slip_ends_at_the_threshold(seed):
     returns = ss.peak_velocity(law, ss.Oscillator(c=found.value - off, **point)) > point["V"]
     assert returns or cycles[0] is not None
     assert cycles[1] is None
+
+
+@pytest.mark.parametrize("V", [60.0, 100.0, 300.0])
+def test_weak_friction_does_not_refute_a_threshold(V):
+    """The steps of a slip are off beside the spring's force, which is far more than friction's there."""
+    law = ss.laws.exponential.typical()
+    found = ss.pure_slip_damping(law, **POINT | {"V": V}, method="simulation", rtol=1e-9)
+    proved = ss.pure_slip_damping(law, **POINT | {"V": V}, method="proof", rtol=1e-8)
+    assert found.value == pytest.approx(proved.value, rel=2e-8)
