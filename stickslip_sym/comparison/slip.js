@@ -68,7 +68,8 @@ function law_at(point, p) {
   const least = 1e-12*V, onset = mu(least, p), holds = mu_static(least, p);
   const friction = w => mu(Math.max(V*w, least), p);
   const highest = V*(4 + 4*eta*Math.max(Math.abs(holds), Math.abs(friction(1)), Math.abs(friction(3))));
-  return {V, eta, impedance, friction, holds, jump: eta*(holds - onset), places: quick_places(p, V, highest)};
+  const jump = eta*(holds - onset), decay = eta*V*slope(V, p), places = quick_places(p, V, highest);
+  return {V, eta, impedance, friction, holds, jump, decay, places};
 }
 
 /* Negative if the slip returns: minus half the square of its w' there. Positive if it does not: its least w. */
@@ -106,7 +107,8 @@ function fate(law, zeta, tolerance) {
       return -0.5*(law.jump + end.q)**2;
     }
     if (turns && lowest.w < 1) return lowest.w;
-    if (i > 100 && Math.abs(next.w - 1) < tolerance && Math.abs(slope) < tolerance) return 1;  // at rest
+    // Beside rest that small motions come back to, the slip has ended; from one that they leave, nothing is known yet.
+    if (i > 100 && Math.abs(next.w - 1) < tolerance && Math.abs(slope) < tolerance) return law.decay + 2*zeta > 0 ? 1 : null;
     falling = slope < 0;
     ({w, q} = next);
     h = Math.min(LONGEST_STEP, h*Math.min(3, 0.9*(tolerance/Math.max(next.error, 1e-300))**0.2));
