@@ -28,6 +28,7 @@ from stickslip_sym.motion.thresholds.methods import methods as every_method
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, of_oscillator
 from stickslip_sym.motion.thresholds.threshold import Threshold, threshold_at
 from stickslip_sym.output import markup
+from stickslip_sym.output.data import DataResult, TableResult, columns_of
 from stickslip_sym.output.tables import duration, table
 
 Quantity: TypeAlias = float | str | UFloat
@@ -36,7 +37,7 @@ Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
-class Row:
+class Row(DataResult):
     """What one method gives.
 
     Attributes
@@ -125,7 +126,7 @@ def of_threshold(threshold: Threshold) -> dict[str, Any]:
 
 
 @dataclass(frozen=True, repr=False)
-class Comparison:
+class Comparison(TableResult):
     """One number at one operating point by several methods; `compare` makes that of a threshold.
 
     Attributes
@@ -157,6 +158,9 @@ class Comparison:
             "status": lambda row: row.text("status"),
             "time": lambda row: row.text("seconds"),
         }
+
+    def _table_columns(self) -> dict[str, list[Any]]:
+        return columns_of(self.rows, "method", "setting", "value", "relative_error", "status", "seconds", "reason")
 
     @property
     def _table(self) -> tuple[list[str], list[list[str]]]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from stickslip_sym.core.uncertain import interval, with_error
 from stickslip_sym.model.fitting.averaged import Averaged
 from stickslip_sym.model.fitting.weights import RANKED
+from stickslip_sym.output.data import DataResult
 
 _FEWEST = 5  # speeds, below which the range of the threshold is stated, and no decision
 _AVERAGED = 6  # speeds, from which the average over laws decides, and not all laws together
@@ -17,7 +18,7 @@ _LEAST_OF_FEW = 0.01  # the same where laws cannot be ranked
 
 
 @dataclass(frozen=True)
-class Decision:
+class Decision(DataResult):
     """Whether the damping c is below the pure-slip damping: every word and number that is stated of it.
 
     Where the law was fitted, the fits decide: by the average over the laws that may be meant, and by all of them

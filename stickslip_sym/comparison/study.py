@@ -43,6 +43,7 @@ from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_dampi
 from stickslip_sym.motion.thresholds.uncertainty import Budget
 from stickslip_sym.output import markup, printing
 from stickslip_sym.output.browser import print_to_pdf
+from stickslip_sym.output.data import DataResult
 from stickslip_sym.output.drawing import finish, new_figure, styled, svg_uri
 from stickslip_sym.output.files import write_text
 from stickslip_sym.output.markup import Markup, element
@@ -73,7 +74,7 @@ _GROWN = 10.0  # belt speeds up to which a motion is shown in the phase plane
 
 
 @dataclass(frozen=True, repr=False)
-class Study:
+class Study(DataResult):
     """Everything about one operating point, and its page; `study` makes it.
 
     Attributes

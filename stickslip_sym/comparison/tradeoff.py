@@ -44,6 +44,7 @@ from stickslip_sym.motion.simulation.reference import simulate_by_solve_ivp, sli
 from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.output import drawing, markup
+from stickslip_sym.output.data import TableResult
 from stickslip_sym.output.tables import table
 
 if TYPE_CHECKING:
@@ -143,7 +144,7 @@ class Trade(Comparison):
 
 
 @dataclass(frozen=True, repr=False)
-class Tradeoff(drawing.Drawn):
+class Tradeoff(drawing.Drawn, TableResult):
     """What each method for a number costs, and how far it is off, from one run.
 
     Attributes
@@ -161,6 +162,14 @@ class Tradeoff(drawing.Drawn):
     def __str__(self) -> str:
         none = [f"{kind}: none: {reason}" for kind, reason in self.refused.items()]
         return "\n\n".join([*map(str, self.trades.values()), *none])
+
+    def _table_columns(self) -> dict[str, list[Any]]:
+        columns: dict[str, list[Any]] = {"number": [], **Comparison("", ())._table_columns()}
+        for kind, trade in self.trades.items():
+            columns["number"] += [kind] * len(trade.rows)
+            for name, column in trade._table_columns().items():
+                columns[name] += column
+        return columns
 
     def __repr__(self) -> str:
         return (

@@ -30,6 +30,7 @@ from stickslip_sym.model.expression.pieces import branch_from, kinks_at
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.taylor_model import balls_from_rest
+from stickslip_sym.output.data import DataResult
 
 _BITS = math.log2(10)  # per digit
 _MORE = 64  # bits with which an end is written, beyond those of the middle
@@ -41,7 +42,7 @@ _SHOWN = 50  # digits of an end, at most
 
 
 @dataclass(frozen=True)
-class Enclosure:
+class Enclosure(DataResult):
     """Two numbers with the true value between them.
 
     Attributes

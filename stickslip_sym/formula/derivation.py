@@ -13,6 +13,7 @@ from stickslip_sym.formula.proof.proving import Verdict, prove_equal, prove_posi
 from stickslip_sym.formula.proof.theorems import By
 from stickslip_sym.output import markup, printing
 from stickslip_sym.output.abbreviation import equation
+from stickslip_sym.output.data import DataResult
 from stickslip_sym.output.layout import prose
 from stickslip_sym.output.notation import distinct_notation, notation_of
 
@@ -20,7 +21,7 @@ _LONGEST = 200  # characters of a result in a line of text
 
 
 @dataclass(frozen=True)
-class Step:
+class Step(DataResult):
     """One step of a derivation.
 
     Attributes
@@ -62,7 +63,7 @@ class Step:
 
 
 @dataclass
-class Derivation:
+class Derivation(DataResult):
     """A chain of proved steps from what is given to a result.
 
     Attributes

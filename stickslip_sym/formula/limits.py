@@ -20,10 +20,11 @@ from stickslip_sym.formula.average import Average
 from stickslip_sym.formula.tidy import tidy
 from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.terms import Term
+from stickslip_sym.output.data import DataResult
 
 
 @dataclass(frozen=True)
-class Limits:
+class Limits(DataResult):
     """What a criterion tends to.
 
     Attributes

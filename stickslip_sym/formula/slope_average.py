@@ -31,6 +31,7 @@ from stickslip_sym.model.expression.pieces import with_means
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.output import printing
+from stickslip_sym.output.data import DataResult
 
 OnInvalid = Literal["raise", "nan"]
 
@@ -43,7 +44,7 @@ _ALLOWED = 8.0  # the same over the mean size of the slope, the unit of errors, 
 
 
 @dataclass(frozen=True, eq=False)
-class SlopeAverage(TermSum):
+class SlopeAverage(TermSum, DataResult):
     """The damping coefficient of a criterion, c = -N <mu'(V(1 + s))>_w, as a function over arrays.
 
     Attributes
@@ -54,6 +55,11 @@ class SlopeAverage(TermSum):
     terms : tuple of Term
         Of the law: everything here is made from them.
     """
+
+    @property
+    def reported(self) -> tuple[str, ...]:
+        """What a dictionary of it has; a closed form says more."""
+        return ("law", "criterion")
 
     def _exactly(self, point: Mapping[Expr, Expr], digits: int) -> Mpf:
         """Return the value at exact arguments, by an enclosure of the definition."""

@@ -30,9 +30,10 @@ from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.measured.making import MadeOfMeasurements
 from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.model.terms import Term, terms_of
+from stickslip_sym.output.data import DataResult
 
 
-class FrictionLaw(DescribedLaw, MadeOfMeasurements):
+class FrictionLaw(DescribedLaw, MadeOfMeasurements, DataResult):
     """A velocity-dependent friction coefficient mu(v), v = abs(x' - V) >= 0.
 
     Parameters

@@ -29,6 +29,7 @@ from stickslip_sym.formula.proof.normal_form import normal_form, single_limit
 from stickslip_sym.formula.proof.theorems import By
 from stickslip_sym.model.expression.pieces import kinks_at
 from stickslip_sym.output import markup
+from stickslip_sym.output.data import DataResult
 
 _SAMPLES = 8
 _DIGITS = 22  # of the sides' size, to which they are the same, errors included, to count as equal
@@ -40,7 +41,7 @@ _MOST_VALUES = 3000  # of an integrand, before its integral counts as unknown
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Verdict(DataResult):
     """The outcome of a proof or a check.
 
     Attributes

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -9,6 +10,7 @@ from scipy.special import ndtr, ndtri, stdtr, stdtrit
 
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.output.data import DataResult, TableResult, columns_of
 
 _USUAL = 0.95  # probability of an interval
 _NODES = (np.arange(400) + 0.5) / 400  # probabilities at which the narrower of two errors is averaged over
@@ -18,7 +20,7 @@ _RESOLVED = 1e-9  # of the bracket
 
 
 @dataclass(frozen=True)
-class ByLaw:
+class ByLaw(DataResult):
     """A quantity by one law: the law's name and weight, the value and its standard error.
 
     `of_point` is the part of the standard error that is none of the fit: of the operating point, normal.
@@ -37,7 +39,7 @@ class ByLaw:
 
 
 @dataclass(frozen=True)
-class Averaged:
+class Averaged(TableResult):
     """A quantity by each of several laws, and its average by their weights.
 
     Each law's value has a Student distribution, whose scale comes from one noise for all laws.
@@ -104,6 +106,9 @@ class Averaged:
             _above(row.value - value, row.of_fit, self.dof, float(np.hypot(row.of_point, standard_error)))
             for row in self.rows
         ])  # fmt: skip
+
+    def _table_columns(self) -> dict[str, list[Any]]:
+        return columns_of(self.rows, "law", "weight", "value", "standard_error")
 
     def interval(self, level: float = _USUAL) -> tuple[float, float]:
         """Return the interval that holds the quantity with a probability, averaged over laws."""

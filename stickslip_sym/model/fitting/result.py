@@ -26,6 +26,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.output import markup
 from stickslip_sym.output.content import content
+from stickslip_sym.output.data import DataResult, TableResult, columns_of
 from stickslip_sym.output.drawing import BLUE, Drawn, finish, new_figure, picture
 from stickslip_sym.output.report import Report, Rows
 
@@ -84,7 +85,7 @@ class _Report(Report, Drawn):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Fit(_Report):
+class Fit(_Report, DataResult):
     """A friction law fitted to measurements.
 
     Attributes
@@ -321,7 +322,7 @@ class Fit(_Report):
         return figure
 
 
-class Fits(_Report, Sequence[Fit]):
+class Fits(_Report, Sequence[Fit], TableResult):
     """Fits of several laws to the same measurements, the best first.
 
     Attributes
@@ -356,6 +357,10 @@ class Fits(_Report, Sequence[Fit]):
     def best(self) -> Fit:
         """The fit with the greatest weight."""
         return self.fits[0]
+
+    def _table_columns(self) -> dict[str, list[Any]]:
+        of_laws = columns_of(self.fits, "name", "weight", "sigma", "chi_squared", "dof", "aicc")
+        return {"law": of_laws.pop("name"), **of_laws, "values": [dict(fit.values) for fit in self.fits]}
 
     def average(self, quantity: Callable[[FrictionLaw], Any]) -> Averaged:
         """Return a quantity by each law that may be meant, and its average by their weights.

@@ -21,6 +21,7 @@ from stickslip_sym.model.measured.branches import Branches, branches_of
 from stickslip_sym.model.measured.heavy_tails import have_heavy_tails, huber_weights
 from stickslip_sym.model.measured.table import Table, read_table
 from stickslip_sym.output import markup
+from stickslip_sym.output.data import TableResult
 from stickslip_sym.output.drawing import Drawn, finish, picture
 from stickslip_sym.output.tables import table
 
@@ -47,7 +48,7 @@ _OTHERS = {"sigma_mu": "sigma", "sigma_F_t": "sigma of F_t", "n": "n"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Measurements(Drawn):
+class Measurements(Drawn, TableResult):
     """Measured friction: rows of a slip speed, a coefficient and, where known, its standard deviation.
 
     Attributes
@@ -159,6 +160,9 @@ class Measurements(Drawn):
         """The rows in ascending speed as columns of SI units: v, mu, and sigma where it is known."""
         rows = {"v": self.v, "mu": self.mu}
         return rows if self.sigma is None else rows | {"sigma": self.sigma}
+
+    def _table_columns(self) -> dict[str, FloatArray]:
+        return self.columns
 
     def preview(self) -> str:
         """Return what was read, before anything is computed: columns and units, what was assumed, first rows."""

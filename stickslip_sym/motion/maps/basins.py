@@ -27,6 +27,7 @@ from stickslip_sym.motion.regimes.attractors import Region
 from stickslip_sym.motion.regimes.classification import followed
 from stickslip_sym.motion.regimes.regime import Regime, kept_regime
 from stickslip_sym.output import files
+from stickslip_sym.output.data import DataResult
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -38,7 +39,7 @@ _SEED = 1  # of their choice
 
 
 @dataclass(frozen=True)
-class Share:
+class Share(DataResult):
     """A part of a box of initial conditions.
 
     Attributes

@@ -35,6 +35,7 @@ from stickslip_sym.motion.regimes.regime import Regime, kept_regime
 from stickslip_sym.numerics.known import Column
 from stickslip_sym.numerics.resolved import NO_VALUE, NODES, Piece, Resolved, Turn, fitted, nodes
 from stickslip_sym.numerics.subdivide import Accept, joined
+from stickslip_sym.output.data import DataResult
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -50,7 +51,7 @@ _NARROWEST = 1e-4  # of the range of the quantity: extrema come and go within
 
 
 @dataclass(frozen=True)
-class Change:
+class Change(DataResult):
     """A value at which basins are born or die.
 
     Attributes

@@ -20,6 +20,7 @@ from stickslip_sym.model.content import text_of_law
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.output import drawing, files, markup
+from stickslip_sym.output.data import TableResult
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -53,7 +54,7 @@ class Axis:
 
 
 @dataclass(frozen=True, repr=False)
-class Table(drawing.Drawn):
+class Table(drawing.Drawn, TableResult):
     """Results over one axis or two; a kind of results says what its columns, words and drawing are.
 
     Attributes
@@ -107,6 +108,13 @@ class Table(drawing.Drawn):
         table = markup.table(*self._rows(), caption=self._place)
         return markup.block(self._summary(), drawing.picture(self.plot, self._place), table)
 
+    def _table_columns(self) -> "dict[str, NDArray[np.generic]]":
+        """Return a row for each cell: its place on the axes, and every column."""
+        grid = np.meshgrid(*(axis.values for axis in self.axes))
+        places = {axis.name: values for axis, values in zip(self.axes, grid, strict=True)}
+        cells = {name: np.broadcast_to(column, grid[0].shape) for name, column in self.columns.items()}
+        return {name: np.ravel(column) for name, column in {**places, **cells}.items()}
+
     def to_csv(self, path: str | Path) -> None:
         """Write a line for each cell: its place on the axes, and every column.
 
@@ -115,11 +123,10 @@ class Table(drawing.Drawn):
         InputError
             If the file cannot be written.
         """
-        grid = np.meshgrid(*(axis.values for axis in self.axes))
-        columns = {axis.name: values for axis, values in zip(self.axes, grid, strict=True)}
-        for name, column in self.columns.items():
-            numbers = column.astype(int) if column.dtype == bool else column
-            columns[name] = np.broadcast_to(numbers, grid[0].shape)
+        columns = self._table_columns()
+        for name, column in columns.items():
+            if column.dtype == bool:
+                columns[name] = column.astype(int)
         files.write_csv(Path(path), columns)
 
     def to_npz(self, path: str | Path) -> None:

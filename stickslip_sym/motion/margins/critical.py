@@ -46,6 +46,8 @@ from stickslip_sym.numerics.known import Column, Unknown, attempted
 from stickslip_sym.numerics.resolved import Resolved, Root, Sampled, nodes, resolve
 from stickslip_sym.numerics.subdivide import joined
 from stickslip_sym.output import markup
+from stickslip_sym.output.content import content
+from stickslip_sym.output.data import DataResult, TableResult, columns_of
 
 _WHOLE = (1e-12, 1e12)  # belt speeds in m/s that are looked at
 _DECADES_EACH = 3  # of belt speeds, that a polynomial spans at first
@@ -73,7 +75,7 @@ _FLAT = math.sqrt(SIGNS)  # relative, whose square is nothing: distance of an ex
 
 
 @dataclass(frozen=True)
-class Critical(QuantityResult):
+class Critical(QuantityResult, DataResult):
     """A value of one quantity or parameter at which the given damping is just the pure-slip damping.
 
     Attributes
@@ -115,7 +117,7 @@ class Critical(QuantityResult):
         return markup.block(f"critical value: {self}")
 
 
-class CriticalValues(tuple[Critical, ...]):
+class CriticalValues(tuple[Critical, ...], TableResult):
     """All critical values of one quantity or parameter, ascending, and where they were looked for.
 
     Attributes
@@ -157,6 +159,14 @@ class CriticalValues(tuple[Critical, ...]):
             text = f"{self.of} was looked at from {low:.6g} to {high:.6g}{unit}"
         gaps = ", ".join(f"{a:.6g} to {b:.6g}{unit}" for a, b in self.unresolved)
         return f"{text}; not decided, or without a threshold: {gaps}" if gaps else text
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the values, and where they were looked for, as ``--json`` prints them."""
+        said = {"of": self.of, "values": list(self), "looked": self.looked, "unresolved": self.unresolved}
+        return {name: content(part) for name, part in said.items()}
+
+    def _table_columns(self) -> dict[str, list[Any]]:
+        return columns_of(self, "of", "value", "unit", "method", "relative_error")
 
     def __str__(self) -> str:
         values = [str(critical) for critical in self] or [f"there is no such value of {self.of}"]

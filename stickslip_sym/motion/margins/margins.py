@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
-from typing import SupportsIndex
+from typing import Any, SupportsIndex
 
 import numpy as np
 
@@ -22,13 +22,14 @@ from stickslip_sym.motion.simulation.cycle import stick_slip_cycle
 from stickslip_sym.motion.thresholds.methods import Method
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.motion.thresholds.uncertainty import standard_errors
+from stickslip_sym.output.data import DataResult, TableResult, columns_of
 from stickslip_sym.output.report import Report, Rows
 
 _SEED = 20160428  # of the samples
 
 
 @dataclass(frozen=True)
-class Margin:
+class Margin(DataResult):
     """How far one quantity is from where stick-slip sets in or ends, with all others as they are.
 
     Attributes
@@ -77,7 +78,7 @@ class Sampled:
 
 
 @dataclass(frozen=True, repr=False)
-class Margins(Report):
+class Margins(Report, TableResult):
     """How far an operating point is from where stick-slip sets in or ends.
 
     Attributes
@@ -117,6 +118,12 @@ class Margins(Report):
     def stick_slip(self) -> bool:
         """Whether stick-slip is possible: c lies below the threshold, and the mass is held at the belt's speed."""
         return bool(self.c < self.threshold.value) and self.sticks is not False
+
+    def _table_columns(self) -> dict[str, list[Any]]:
+        columns = columns_of(self.rows, "name", "value", "below", "above", "change")
+        for end in ("below", "above"):
+            columns[end] = [None if critical is None else critical["value"] for critical in columns[end]]
+        return columns
 
     def _parts(self) -> list[str | Rows]:
         rows = []

@@ -15,13 +15,14 @@ from stickslip_sym.motion.kernel.data import TIGHT
 from stickslip_sym.motion.orbits.damping import NeededDamping, needed_damping
 from stickslip_sym.motion.orbits.needed import PARTED, halves
 from stickslip_sym.output import markup
+from stickslip_sym.output.data import DataResult
 
 _BESIDE = 1e-7  # distance from an orbit over its amplitude: by its square the gap changes beside a fold
 _STRONGEST = 1e-300  # contraction in a round, or backward, that is distinguished from 0
 
 
 @dataclass(frozen=True)
-class LimitCycle:
+class LimitCycle(DataResult):
     """A periodic motion in pure slip.
 
     Attributes

@@ -37,6 +37,7 @@ from stickslip_sym.motion.simulation.cycle import StickSlipCycle, first_minimum,
 from stickslip_sym.motion.simulation.simulate import simulate
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.output import drawing, markup
+from stickslip_sym.output.data import DataResult
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -54,7 +55,7 @@ _LOOKS: dict[str, dict[str, Any]] = {
 
 
 @dataclass(frozen=True)
-class Rest:
+class Rest(DataResult):
     """The equilibrium, at which the belt slips under a mass that does not move.
 
     Attributes
@@ -86,7 +87,7 @@ Attractor = Rest | LimitCycle | StickSlipCycle
 
 
 @dataclass(frozen=True)
-class Regime(drawing.Drawn):
+class Regime(drawing.Drawn, DataResult):
     """Every motion that an oscillator has, and where others lead to: found when it is first asked for, and kept.
 
     Attributes

@@ -14,6 +14,7 @@ from scipy.interpolate import PPoly
 from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.slip import Dimensionless, Slip
+from stickslip_sym.output.data import DataResult
 
 _SAMPLES = 257  # of a separatrix, in its public arrays
 _DEGREE = 12  # of the polynomials within a step, whose remainder is below the tolerance of steps of order 8
@@ -31,7 +32,7 @@ def interpolated(back: Dimensionless, slip: Slip[float], rtol: float) -> tuple[A
 
 
 @dataclass(frozen=True, repr=False)
-class Separatrix:
+class Separatrix(DataResult):
     """A curve in the phase plane that separates two basins of attraction: a slip below the belt's speed.
 
     Attributes
@@ -46,6 +47,8 @@ class Separatrix:
         Displacement in m where q = 0.
     oscillator : Oscillator
     """
+
+    reported = ("kind", "x", "v")
 
     kind: Literal["limit cycle", "graze"]
     q: Any

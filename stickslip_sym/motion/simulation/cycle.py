@@ -20,10 +20,11 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.kernel.data import End
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.output import markup
+from stickslip_sym.output.data import DataResult
 
 
 @dataclass(frozen=True)
-class StickSlipCycle:
+class StickSlipCycle(DataResult):
     """The periodic motion of stick and slip.
 
     One stick phase, one slip slower than the belt, and, where the mass returns beyond what static friction

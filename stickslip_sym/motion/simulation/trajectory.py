@@ -20,6 +20,7 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.kernel.data import ADDED
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.output import drawing, files, markup
+from stickslip_sym.output.data import DataResult, TableResult
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -61,7 +62,7 @@ _DECIDED = {Outcome.AT_REST: Motion.REST, Outcome.UNBOUNDED: Motion.UNBOUNDED}
 
 
 @dataclass(frozen=True)
-class Event:
+class Event(DataResult):
     """A change of phase: the time in s, the state in m and m/s, the phase that begins, and how it comes about."""
 
     t: float
@@ -80,12 +81,14 @@ class State(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Stretch:
+class Stretch(DataResult):
     """One phase of a motion.
 
     - `samples`: rows of t in s, x in m and v in m/s, at the integrator's steps.
     - `curve`: the rows x and v at a row of times; without it x is a straight line, as in stick and at rest.
     """
+
+    reported = ("phase", "samples")
 
     phase: Phase
     samples: FloatArray
@@ -112,7 +115,7 @@ class Stretch:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Trajectory:
+class Trajectory(TableResult):
     """A motion of the mass.
 
     Attributes
@@ -304,6 +307,9 @@ class Trajectory:
             phase[chosen] = self.stretches[i].phase
         return State(x, v, phase)
 
+    def _table_columns(self) -> dict[str, Any]:
+        return {"t": self.t, "x": self.x, "v": self.v, "phase": [phase.value for phase in self.phase]}
+
     def to_csv(self, path: str | Path, t: ArrayLike | None = None) -> None:
         """Write times, displacements, velocities and phases to a file, with units in its header.
 
@@ -390,7 +396,7 @@ _STYLES: dict[Phase, dict[str, Any]] = {
 
 
 @dataclass(frozen=True, repr=False)
-class Trajectories:
+class Trajectories(TableResult):
     """What became of many initial conditions; every array has their shape.
 
     Attributes
@@ -462,6 +468,11 @@ class Trajectories:
     def _repr_html_(self) -> str:
         rows = [[word, str(number)] for word, number in self.count().items()]
         return markup.block(repr(self), markup.table(["motion", "initial conditions"], rows))
+
+    def _table_columns(self) -> dict[str, Any]:
+        numbers = "x0", "v0", "t", "x", "v", "x_min", "x_max", "v_min", "v_max", "first_stick", "changes", "sticks"
+        columns = {name: np.ravel(getattr(self, name)) for name in numbers}
+        return {**columns, "outcome": np.ravel(files.texts(self.outcome))}
 
     def to_csv(self, path: str | Path) -> None:
         """Write a line for each initial condition, with units in the header.

@@ -25,6 +25,7 @@ from stickslip_sym.model.lipschitz import BITS_OF_SIGNS, lipschitz_evidence
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, Undecided, transit
 from stickslip_sym.motion.thresholds.operating_points import VANISHING
 from stickslip_sym.output import printing
+from stickslip_sym.output.data import DataResult
 from stickslip_sym.output.layout import prose
 from stickslip_sym.output.notation import latex_name
 
@@ -34,7 +35,7 @@ _WIDEST = 1e-2  # of the first bracket, relative
 
 
 @dataclass(frozen=True)
-class Theorem:
+class Theorem(DataResult):
     """Two dampings that enclose the threshold, and what the statement rests on.
 
     Attributes

@@ -42,6 +42,7 @@ from stickslip_sym.motion.thresholds.uncertainty import (
     warn_of_ratio,
 )
 from stickslip_sym.output import markup
+from stickslip_sym.output.data import TableResult
 
 if TYPE_CHECKING:
     from stickslip_sym.criteria.enclosure import Enclosure
@@ -49,7 +50,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Threshold(QuantityResult):
+class Threshold(QuantityResult, TableResult):
     """A threshold: its value, the method that gave it, and its relative error.
 
     Attributes
@@ -82,6 +83,12 @@ class Threshold(QuantityResult):
     used: Mapping[str, Method] = field(repr=False, compare=False)
     theorems: tuple[Theorem, ...] = ()
     time_limit: float | None = field(default=None, repr=False, compare=False)
+
+    def _table_columns(self) -> dict[str, Any]:
+        columns: dict[str, Any] = dict(self.points.columns)
+        for name in ("value", "method", "relative_error", "error"):
+            columns[name] = np.broadcast_to(np.ravel(getattr(self, name)), len(self.points))
+        return columns
 
     @cached_property
     def sensitivity(self) -> Mapping[str, Any]:

@@ -14,6 +14,8 @@ from stickslip_sym.core.errors import NO_RESULT, InputWarning
 from stickslip_sym.core.numbers import SAME
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
+from stickslip_sym.output.content import content
+from stickslip_sym.output.data import TableResult
 from stickslip_sym.output.report import Report, Rows
 
 _FAR = np.sqrt(3.0)  # standard errors; the outer nodes of the Gauss rule of three for normal errors
@@ -31,7 +33,7 @@ def standard_errors(points: OperatingPoints) -> tuple[tuple[str, ...], FloatArra
 
 
 @dataclass(frozen=True)
-class Budget(Report):
+class Budget(Report, TableResult):
     """Which standard error brings how much of that of a threshold, to first order.
 
     The variance is the sum of s_i C_ij s_j, s the sensitivities and C the covariance. The share of i is its row
@@ -86,6 +88,11 @@ class Budget(Report):
             shaped(np.sqrt(variance), shape),
             [pair for pair in pairs if abs(pair[2]) > SAME],
         )
+
+    def _table_columns(self) -> dict[str, list[Any]]:
+        said = {"standard_error": self.deviations, "alone": self.alone, "share": self.shares}
+        columns = {title: [content(of[name]) for name in self.names] for title, of in said.items()}
+        return {"quantity": list(self.names), **columns}
 
     def _parts(self) -> list[str | Rows]:
         rows = []
