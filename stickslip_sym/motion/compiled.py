@@ -23,8 +23,11 @@ from stickslip_sym.core.interrupts import held_back
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 _PATIENCE = 1.0  # seconds, after which a compilation is announced
-_OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"contract"}}
-"""With them a product and a sum are one instruction, rounded once: two thirds of the time."""
+_OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": False}
+"""Machine code carries out each operation as Python does, in the same order: results are the same to the bit.
+
+Products and sums in one instruction, rounded once, would save no time that can be measured.
+"""
 _log = logging.getLogger("stickslip_sym")
 _marked = dict[Callable[..., Any], bool]()
 """Functions that compiled ones may call, and whether numba knows that."""

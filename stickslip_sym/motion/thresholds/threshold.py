@@ -290,8 +290,7 @@ def pure_slip_damping(
     -------
     Threshold
         Of arrays, where an argument is one; each operating point has its own method then. A negative value says
-        that no damping is needed. Digits beyond the stated error may differ between two calls: where a process has
-        loaded compiled code, as for a map, it serves single points too, and rounds products and sums as one.
+        that no damping is needed.
 
     Raises
     ------
