@@ -1,9 +1,13 @@
 """What the commands print: progress, and with ``--json`` one object, valid JSON, of a shape that stays.
 
-    {"format": 3, "version": "0.3.0", "command": "damping", "operating_point": {"law": ..., ...}, ...}
+    {"format": 3, "version": "1.0.0", "command": "damping", "operating_point": {"law": ..., ...}, ...}
 
 Results are objects with the names of their attributes in Python, as `content` makes them. "format" grows when a
-name goes or changes its meaning; names may be added without.
+name goes or changes its meaning; names may be added without. A call that fails prints, beside its line on stderr,
+
+    {..., "error": {"type": "InputError", "message": "...", "exit_code": 2}}
+
+whose type is the name of one of the package's errors.
 """
 
 from __future__ import annotations

@@ -72,8 +72,8 @@ class Program(click.Group):
             try:
                 return super().invoke(ctx)
             except StickSlipError as error:
-                click.echo(printable(f"error: {error}", lines=True), err=True)
-                return BAD_INPUT if isinstance(error, InputError) else NO_RESULT
+                code = BAD_INPUT if isinstance(error, InputError) else NO_RESULT
+                return _failed(ctx.invoked_subcommand, type(error).__name__, str(error), code)
 
 
 def _summary(name: str, width: int = 80) -> str:
@@ -111,8 +111,8 @@ def _run() -> int:
         click.echo("interrupted", err=True)
         return INTERRUPTED
     except click.ClickException as error:
-        click.echo(printable(f"error: {_explained(error)}", lines=True), err=True)
-        return BAD_INPUT
+        context = getattr(error, "ctx", None)
+        return _failed(context and context.info_name, "InputError", _explained(error), BAD_INPUT)
     except OSError as error:
         # The rest of the buffer goes nowhere: Python would try again at its end, and complain.
         nowhere = os.open(os.devnull, os.O_WRONLY)
@@ -121,6 +121,16 @@ def _run() -> int:
         if error.errno != errno.EPIPE:  # a reader that has read enough is no error
             click.echo(f"error: cannot write the output: {error.strerror or error}", err=True)
         return NO_RESULT
+
+
+def _failed(command: str | None, kind: str, message: str, code: int) -> int:
+    """Print an error on stderr, and where JSON was asked for as its object too; return the exit code."""
+    click.echo(printable(f"error: {message}", lines=True), err=True)
+    if "--json" in sys.argv[1:]:
+        from stickslip_sym.cli.output import echo_json
+
+        echo_json(command or "stickslip", error={"type": kind, "message": message, "exit_code": code})
+    return code
 
 
 def _explained(error: click.ClickException) -> str:

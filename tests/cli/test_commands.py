@@ -257,3 +257,22 @@ def test_pictures_of_thresholds_and_of_a_law(run, tmp_path):
     assert (code, err) == (0, "")
     assert "linear" in (tmp_path / "law.svg").read_text(encoding="utf-8")
     assert "--plot does nothing here" in run("laws", "--plot", "all.svg")[2]
+
+
+@pytest.mark.parametrize(
+    ("words", "command", "kind", "code"),
+    [
+        ("damping exponential -V 0.5 -N -1 --json", "damping", "InputError", 2),
+        ("damping exponental -V 0.5 --json", "damping", "InputError", 2),
+        ("derive --json --critereon x", "derive", "InputError", 2),
+        ("dampng --json", "stickslip", "InputError", 2),
+        ("damping exponential -V 0.5 -N 9.81 --time-limit 1e-9 --json", "damping", "OutOfTime", 1),
+    ],
+)
+def test_an_error_is_an_object_where_json_is_asked_for(words, command, kind, code, run):
+    assert run(*words.replace("--json", "").split())[:2] == (code, "")
+    ended, out, err = run(*words.split())
+    said = read_json(out)
+    assert ended == said["error"]["exit_code"] == code
+    assert (said["command"], said["error"]["type"]) == (command, kind)
+    assert err.startswith(f"error: {said['error']['message'][:40]}")
