@@ -44,7 +44,7 @@ def near_and_far(exact: float) -> FloatArray:
 
 
 @cache
-def pure_slip(name: str) -> tuple[float, Threshold, float]:
+def pure_slip(name: str) -> tuple[float, Threshold[float], float]:
     """Return the damping of the scan, the proved one of the graze, and that of a peak at the band's edge."""
     osc = oscillator()
     quantities = {"V": osc.V, "N": osc.N, "m": osc.m, "k": osc.k}

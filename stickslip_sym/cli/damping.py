@@ -85,7 +85,7 @@ def _left_out(given: Given, method: str | None) -> tuple[str, ...]:
     return ("c", "m", "k") if one_answer and stated == ["V", "N"] else ("c",)
 
 
-def _draw(path: Path, at: Point, threshold: Threshold) -> None:
+def _draw(path: Path, at: Point, threshold: Threshold[float]) -> None:
     from stickslip_sym.comparison.plane import figure_of
     from stickslip_sym.core.uncertain import split
     from stickslip_sym.output.drawing import save

@@ -67,7 +67,7 @@ class Row(DataResult):
     seconds: float = math.nan
     reason: str = ""
     setting: str = ""
-    threshold: Threshold | None = None
+    threshold: Threshold[float] | None = None
     further: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -119,7 +119,7 @@ def measured(
         return Row(method, setting=setting, seconds=process_time() - begin, reason=str(error))
 
 
-def of_threshold(threshold: Threshold) -> dict[str, Any]:
+def of_threshold(threshold: Threshold[float]) -> dict[str, Any]:
     """Return what stands in a row of a threshold."""
     values = {name: getattr(threshold, name) for name in ("value", "relative_error", "status")}
     return values | {"threshold": threshold}
@@ -245,7 +245,7 @@ def compare(
     require_seconds(time_limit)  # below, an error is a method's answer
     shared = Reference()
 
-    def threshold(method: str) -> Threshold:
+    def threshold(method: str) -> Threshold[float]:
         return threshold_at(OperatingPoints.of(law, **point), method, rtol, time_limit, shared)
 
     # What converges comes first: the errors of averages are taken from it.

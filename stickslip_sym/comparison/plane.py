@@ -85,7 +85,7 @@ def draw_plane(
     ax.set_ylim(lowest - _BELOW * (highest - lowest), _HEIGHT * highest)
 
 
-def figure_of(law: FrictionLaw, point: Mapping[str, float | UFloat], threshold: Threshold) -> "Figure":
+def figure_of(law: FrictionLaw, point: Mapping[str, float | UFloat], threshold: Threshold[float]) -> "Figure":
     """Return the plane at V, N, m and k, the expansion in it, with the threshold that was computed at V."""
     nominal = {name: getattr(value, "nominal_value", value) for name, value in point.items()}
     curves = plane(law, point, nominal["V"])

@@ -126,7 +126,7 @@ class Study(DataResult):
     fit: Fit | None
     measured: Measurements | None
     answers: tuple[Row, ...]
-    threshold: Threshold | None
+    threshold: Threshold[float] | None
     sensitivity: Mapping[str, float] | None
     nonlinearity: float | None
     choice: Averaged | None
@@ -371,7 +371,7 @@ def _chance(chance: float, least: float) -> Markup:
     return element("data", chance_in_words(chance, least), value=repr(float(chance)))
 
 
-def _digits(threshold: Threshold) -> int:
+def _digits(threshold: Threshold[float]) -> int:
     """Return the digits of a threshold that its own error leaves."""
     error = threshold.relative_error
     return _DIGITS if not error else min(max(1 - math.floor(math.log10(error)), 2), _DIGITS)
@@ -497,7 +497,7 @@ class _Subject:
     carried: Mapping[str, UFloat]
     fits: Fits | None
     seconds: float  # that each part may take
-    threshold: Threshold | None = None
+    threshold: Threshold[float] | None = None
 
     @property
     def point(self) -> dict[str, Any]:
@@ -527,11 +527,16 @@ def _computed(subject: _Subject) -> tuple[dict[str, Any], dict[str, str]]:
     return parts, refused
 
 
+def _stated_error(threshold: Threshold[float]) -> float:
+    return math.inf if threshold.relative_error is None else threshold.relative_error
+
+
 def _answers(subject: _Subject) -> tuple[Row, ...]:
     """Return thresholds by every method, and keep the most accurate of those that are not proved for the rest."""
     rows = compare(subject.law, rtol=_RTOL, time_limit=subject.each, **subject.point).rows
     thresholds = [row.threshold for row in rows if row.method in ("simulation", "orbit")]
-    subject.threshold = min(filter(None, thresholds), key=lambda threshold: threshold.relative_error, default=None)
+    known = [threshold for threshold in thresholds if threshold is not None]
+    subject.threshold = min(known, key=_stated_error, default=None)
     return rows
 
 

@@ -29,7 +29,7 @@ from stickslip_sym.core.precision import mp
 from stickslip_sym.core.progress import steps
 from stickslip_sym.core.remedies import Call, Values
 from stickslip_sym.core.status import Status
-from stickslip_sym.criteria.criterion import Criterion, find
+from stickslip_sym.criteria.criterion import Criterion, CriterionName, find
 from stickslip_sym.formula.closed_form import ClosedForm, derive
 from stickslip_sym.formula.evaluation.values import slope_of
 from stickslip_sym.model.expression.pieces import jumps
@@ -192,7 +192,7 @@ def tradeoff(
     law: FrictionLaw | str,
     *,
     of: str | Sequence[str] = KINDS,
-    criterion: str | Criterion = "least_squares",
+    criterion: CriterionName | Criterion = "least_squares",
     time_limit: float | None = None,
     V: Number | None = None,
     N: Number | None = None,
@@ -344,7 +344,7 @@ def _gauss_rule(integrand: Callable[[FloatArray], FloatArray], n: int) -> Callab
 def _threshold(law: FrictionLaw, point: Mapping[str, float]) -> Trade:
     """Measure every method for a threshold, the paper's scan and SciPy, against the grazing orbit to 1e-11."""
 
-    def by(name: str, V: float = point["V"]) -> Threshold:
+    def by(name: str, V: float = point["V"]) -> Threshold[float]:
         """Return the threshold by a method; slope averages do not compute their errors."""
         method = methods()[name]
         numbers = {**point, "V": V} if method.oscillator else {"V": V, "N": point["N"]}
@@ -362,12 +362,14 @@ def _threshold(law: FrictionLaw, point: Mapping[str, float]) -> Trade:
         except OutOfTime:
             break
 
-    def error(threshold: Threshold, reference: float) -> float:
+    def error(threshold: Threshold[float], reference: float) -> float:
         """Return the error against the orbit; the orbit's own is its estimate, and that of a proof its bound."""
         own = threshold.method == "orbit" or threshold.status is Status.PROVED
-        return float(threshold.relative_error) if own else abs(threshold.value / reference - 1)
+        if own and threshold.relative_error is not None:
+            return threshold.relative_error
+        return abs(threshold.value / reference - 1)
 
-    def judge(threshold: Threshold) -> dict[str, Any]:
+    def judge(threshold: Threshold[float]) -> dict[str, Any]:
         try:
             errors = [error(by(threshold.method, V), there) for V, there in references.items() if there > 0]
         except (OutOfTime, NotConverged, NoThreshold):

@@ -9,6 +9,7 @@ import re
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
+from typing import Literal, TypeAlias
 
 import sympy as sp
 
@@ -196,7 +197,11 @@ catalogue = {criterion.name: criterion for criterion in (equilibrium, least_squa
 """Every criterion by name. One that is put here is found by its name wherever a criterion is taken."""
 
 
-def find(criterion: str | Criterion) -> Criterion:
+CriterionName: TypeAlias = Literal["equilibrium", "least_squares", "harmonic"] | str
+"""A name in the catalogue; editors offer the package's own."""
+
+
+def find(criterion: CriterionName | Criterion) -> Criterion:
     """Return a criterion by its name; a criterion passes through.
 
     Raises

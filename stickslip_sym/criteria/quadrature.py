@@ -20,7 +20,7 @@ from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import Number, binary_fraction, exact, require_type
 from stickslip_sym.core.precision import mp, own_mpf, rounded
-from stickslip_sym.criteria.criterion import Criterion, find
+from stickslip_sym.criteria.criterion import Criterion, CriterionName, find
 from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.expression.transitions import transitions
 from stickslip_sym.model.law import FrictionLaw
@@ -45,7 +45,7 @@ _LOOKS = (0.001, 0.25, 0.5, 0.75, 0.999)  # of the way through a panel, where it
 
 def damping(
     law: FrictionLaw | str,
-    criterion: str | Criterion = "least_squares",
+    criterion: CriterionName | Criterion = "least_squares",
     *,
     V: Number,
     N: Number,
@@ -156,7 +156,7 @@ def average(
 
 
 def read_operating_point(
-    law: FrictionLaw, criterion: str | Criterion, V: Number, N: Number, digits: int
+    law: FrictionLaw, criterion: CriterionName | Criterion, V: Number, N: Number, digits: int
 ) -> tuple[Criterion, Expr, Expr]:
     """Return a criterion, V and N, exactly, or refuse what no criterion has a value for."""
     criterion = find(criterion)

@@ -5,7 +5,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import count
-from typing import SupportsIndex
+from typing import Literal, SupportsIndex
 
 import sympy as sp
 
@@ -19,7 +19,7 @@ from stickslip_sym.core.progress import Step, listened_by, stages
 from stickslip_sym.core.remedies import Argument, Call
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.symbols import N, V, c, mu, v
-from stickslip_sym.criteria.criterion import Criterion, catalogue, find
+from stickslip_sym.criteria.criterion import Criterion, CriterionName, catalogue, find
 from stickslip_sym.formula.average import Average, average_of
 from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.exact import exact_value
@@ -325,7 +325,7 @@ class ClosedForm(SlopeAverage):
         ]
         return ", ".join([f"{names['c']} = {printing.latex(self.expr, names)}", *conditions])
 
-    def certificate(self, language: str = "sympy") -> str:
+    def certificate(self, language: Literal["sympy", "coq"] = "sympy") -> str:
         """Return a proof of this formula that needs nothing of this package.
 
         The page in plain SymPy has three parts: the statement (mu, w, c, the assumptions on parameters), the data
@@ -388,7 +388,7 @@ class ClosedForm(SlopeAverage):
 
 def derive(
     law: FrictionLaw | str,
-    criterion: str | Criterion = "least_squares",
+    criterion: CriterionName | Criterion = "least_squares",
     *,
     time_limit: float = 120.0,
     search: bool = True,

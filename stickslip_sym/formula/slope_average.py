@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 from fractions import Fraction
 from functools import cached_property
 from operator import le
-from typing import Any, Literal
+from typing import Any, Literal, overload
 
 import numpy as np
 import sympy as sp
@@ -20,7 +20,7 @@ from stickslip_sym.core.names import suggestion
 from stickslip_sym.core.numbers import binary_fraction, read_array
 from stickslip_sym.core.precision import mp, own_mpf, rounded
 from stickslip_sym.core.remedies import Argument, Call
-from stickslip_sym.criteria.criterion import Criterion, find
+from stickslip_sym.criteria.criterion import Criterion, CriterionName, find
 from stickslip_sym.criteria.enclosure import enclose
 from stickslip_sym.formula.code import writer
 from stickslip_sym.formula.evaluation.term_function import TermFunction, count_of
@@ -123,6 +123,10 @@ class SlopeAverage(TermSum, DataResult):
                     "for other values its integral diverges"
                 )
 
+    @overload
+    def __call__(self, *, on_invalid: OnInvalid = "raise", **values: float) -> float: ...
+    @overload
+    def __call__(self, *, on_invalid: OnInvalid = "raise", **values: ArrayLike) -> FloatArray: ...
     def __call__(self, *, on_invalid: OnInvalid = "raise", **values: ArrayLike) -> Any:
         """Return the damping coefficient in kg/s, broadcast over all arguments.
 
@@ -321,7 +325,7 @@ def _array(name: str, value: ArrayLike) -> FloatArray:
     return read_array(name, value, finite=False).astype(np.float64, copy=False)
 
 
-def slope_average(law: FrictionLaw | str, criterion: str | Criterion = "least_squares") -> SlopeAverage:
+def slope_average(law: FrictionLaw | str, criterion: CriterionName | Criterion = "least_squares") -> SlopeAverage:
     """Return a criterion of a law as a fast function; no closed form is needed.
 
     It is computed as a closed form's call is: each term of the law by branches in one dimensionless speed (series,

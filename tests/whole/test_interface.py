@@ -7,11 +7,14 @@ major version only, after it was deprecated. ``python tests/whole/test_interface
 import inspect
 from dataclasses import fields, is_dataclass
 from pathlib import Path
+from typing import get_args
 
 import click
 
 import stickslip_sym as ss
 from stickslip_sym.cli.program import COMMANDS, program
+from stickslip_sym.criteria.criterion import CriterionName
+from stickslip_sym.motion.thresholds.methods import MethodName, methods
 
 LIST = Path(__file__).with_name("interface.txt")
 
@@ -65,6 +68,13 @@ def test_what_users_build_upon_is_as_listed():
     assert [line for line in listed if line not in now] == [], "what was public is gone"
     assert [line for line in now if line not in listed] == [], "what is new is not in the list"
     assert len(listed) == len(now) > 250
+
+
+def test_names_that_editors_offer_are_those_that_there_are():
+    offered, _ = get_args(CriterionName)
+    assert set(get_args(offered)) == set(ss.criteria.catalogue)
+    offered, _ = get_args(MethodName)
+    assert set(get_args(offered)) == {"auto", *methods()}
 
 
 if __name__ == "__main__":

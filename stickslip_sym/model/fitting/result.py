@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -415,7 +415,11 @@ class Fits(_Report, Sequence[Fit], TableResult):
         """The fits of laws that may be meant: those whose weight is not below a hundredth of the best one's."""
         return tuple(fit for fit in self.fits if fit.weight >= RATHER * self.best.weight)
 
-    def __getitem__(self, place: Any) -> Any:
+    @overload
+    def __getitem__(self, place: SupportsIndex | str) -> Fit: ...
+    @overload
+    def __getitem__(self, place: slice) -> tuple[Fit, ...]: ...
+    def __getitem__(self, place: SupportsIndex | str | slice) -> Fit | tuple[Fit, ...]:
         """Return a fit by its rank from 0, or by its law's name."""
         if isinstance(place, str):
             return lookup("fit of the law", place, {fit.name: fit for fit in self.fits})

@@ -38,7 +38,7 @@ from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, STRONG, needed_r
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.thresholds.averages import average, slope_mean
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, transit
-from stickslip_sym.motion.thresholds.methods import Method, accuracy, ask, find_method, methods
+from stickslip_sym.motion.thresholds.methods import Method, MethodName, accuracy, ask, find_method, methods
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, of_oscillator
 from stickslip_sym.motion.thresholds.theorem import Search, checked_hypotheses
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
@@ -184,7 +184,7 @@ def critical(
     N: float | None = None,
     m: float | None = None,
     k: float | None = None,
-    method: str | Criterion | Method = "auto",
+    method: MethodName | Criterion | Method = "auto",
     rtol: float = 1e-3,
     within: Sequence[float | str] | None = None,
     time_limit: float | None = None,
@@ -261,7 +261,7 @@ def critical(
         return _Search(law, of, numbers, find_method(method), rtol).found(_places(within))
 
 
-def critical_damping(threshold: Threshold) -> CriticalValues:
+def critical_damping(threshold: Threshold[float]) -> CriticalValues:
     """Return the critical value of c, the threshold itself."""
     value = Critical(
         "c", threshold.value, "kg/s", threshold.method, threshold.relative_error, threshold.sensitivity,

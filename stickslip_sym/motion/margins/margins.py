@@ -19,7 +19,7 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.margins.critical import Critical, critical, critical_damping, excess
 from stickslip_sym.motion.simulation.cycle import stick_slip_cycle
-from stickslip_sym.motion.thresholds.methods import Method
+from stickslip_sym.motion.thresholds.methods import Method, MethodName
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.motion.thresholds.uncertainty import standard_errors
 from stickslip_sym.output.data import DataResult, TableResult, columns_of
@@ -105,7 +105,7 @@ class Margins(Report, TableResult):
 
     reported = ("stick_slip", "sticks", "threshold", "rows", "probability", "sampled", "refused", "open")
 
-    threshold: Threshold
+    threshold: Threshold[float]
     c: float
     rows: tuple[Margin, ...]
     probability: float | None
@@ -162,7 +162,7 @@ def margins(
     osc: Oscillator,
     *,
     errors: Mapping[str, str | UFloat] | None = None,
-    method: str | Criterion | Method = "auto",
+    method: MethodName | Criterion | Method = "auto",
     rtol: float = 1e-3,
     samples: int = 200,
     reach: float = 10.0,
@@ -226,8 +226,9 @@ def margins(
 
 
 def margins_of(
-    threshold: Threshold, osc: Oscillator, c: UFloat | None, method: str | Criterion | Method = "auto",
-    rtol: float = 1e-3, *, samples: int, reach: float, each: float | None,
+    threshold: Threshold[float], osc: Oscillator, c: UFloat | None,
+    method: MethodName | Criterion | Method = "auto", rtol: float = 1e-3,
+    *, samples: int, reach: float, each: float | None,
 ) -> Margins:  # fmt: skip
     """Return margins as `margins` does, about a threshold that is there; `c` is the damping with its error."""
     law, rows, refused, open_ = threshold.points.law, list[Margin](), dict[str, str](), {}
@@ -286,7 +287,7 @@ def carried_by(osc: Oscillator, errors: Mapping[str, str | UFloat]) -> dict[str,
 
 
 def _probabilities(
-    threshold: Threshold, c: float, own: UFloat | None, samples: int
+    threshold: Threshold[float], c: float, own: UFloat | None, samples: int
 ) -> tuple[float | None, Sampled | None]:
     """Return the probability that c lies below the threshold, to first order and from samples."""
     spread = 0.0 if own is None else own.std_dev

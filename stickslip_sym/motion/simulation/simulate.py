@@ -9,7 +9,7 @@ motions are followed up to P only: what comes after is read from the motion from
 from __future__ import annotations
 
 from functools import partial
-from typing import Any, overload
+from typing import Any, Literal, TypeAlias, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,18 +26,23 @@ from stickslip_sym.motion.simulation.reference import simulate_by_solve_ivp
 from stickslip_sym.motion.simulation.trajectory import Outcome, Phase, Stretch, Trajectories, Trajectory
 from stickslip_sym.motion.slip import Dimensionless, Slip
 
+SimulationName: TypeAlias = Literal["events", "solve_ivp"]
+"""How a motion is followed."""
+
 
 @overload
 def simulate(
     law: FrictionLaw | str, osc: Oscillator, *, t_end: float, x0: float = ..., v0: float | None = ...,
-    rtol: float = ..., method: str = ..., max_steps: int = ..., time_limit: float | None = ..., workers: int = ...,
+    rtol: float = ..., method: SimulationName = ...,
+    max_steps: int = ..., time_limit: float | None = ..., workers: int = ...,
 ) -> Trajectory: ...  # fmt: skip
 
 
 @overload
 def simulate(
     law: FrictionLaw | str, osc: Oscillator, *, t_end: float, x0: ArrayLike = ..., v0: ArrayLike | None = ...,
-    rtol: float = ..., method: str = ..., max_steps: int = ..., time_limit: float | None = ..., workers: int = ...,
+    rtol: float = ..., method: SimulationName = ...,
+    max_steps: int = ..., time_limit: float | None = ..., workers: int = ...,
 ) -> Trajectory | Trajectories: ...  # fmt: skip
 
 
@@ -49,7 +54,7 @@ def simulate(
     x0: ArrayLike = 0.0,
     v0: ArrayLike | None = None,
     rtol: float = 1e-10,
-    method: str = "events",
+    method: SimulationName = "events",
     max_steps: int = 200_000,
     time_limit: float | None = None,
     workers: int = 1,

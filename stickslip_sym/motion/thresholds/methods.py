@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -157,7 +157,14 @@ def methods() -> dict[str, Method]:
     return {name: _of_criterion(criterion) for name, criterion in criteria.catalogue.items()} | _table
 
 
-def find_method(method: "str | Criterion | Method") -> Method | None:
+MethodName: TypeAlias = (
+    Literal["auto", "equilibrium", "least_squares", "harmonic", "second_order", "simulation", "orbit", "proof"]
+    | str
+)
+"""A name in the table of methods; editors offer the package's own."""
+
+
+def find_method(method: "MethodName | Criterion | Method") -> Method | None:
     """Return a method; None for "auto". A name that is none is refused."""
     if isinstance(method, Method):
         return method

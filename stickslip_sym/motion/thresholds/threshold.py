@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, overload
 
 import numpy as np
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.aliases import FloatArray, Numbers
 from stickslip_sym.core.errors import NO_RESULT, InputError, OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.core.quantity import QuantityResult
@@ -25,6 +25,7 @@ from stickslip_sym.model.negative import warn_where_negative
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.methods import (
     Method,
+    MethodName,
     Reference,
     accuracy,
     find_method,
@@ -49,8 +50,14 @@ if TYPE_CHECKING:
     from stickslip_sym.motion.thresholds.theorem import Theorem
 
 
+Value = TypeVar("Value", bound=Numbers, covariant=True)
+"""Of a threshold: a number at one operating point, an array at several."""
+OneValue: TypeAlias = float | str
+"""A quantity at one operating point."""
+
+
 @dataclass(frozen=True)
-class Threshold(QuantityResult, TableResult):
+class Threshold(QuantityResult, TableResult, Generic[Value]):
     """A threshold: its value, the method that gave it, and its relative error.
 
     Attributes
@@ -75,10 +82,10 @@ class Threshold(QuantityResult, TableResult):
 
     reported = ("value", "method", "relative_error", "error", "status", "uncertainty", "nonlinearity", "budget")
 
-    value: Any
+    value: Value
     method: Any
-    relative_error: Any
-    error: Any
+    relative_error: Value | None
+    error: Value | None
     points: OperatingPoints = field(repr=False, compare=False)
     used: Mapping[str, Method] = field(repr=False, compare=False)
     theorems: tuple[Theorem, ...] = ()
@@ -205,12 +212,12 @@ class Threshold(QuantityResult, TableResult):
         worst = self.accuracy(tuple(map(int, np.unravel_index(row, self.points.shape))))
         basis = f"{', '.join(np.unique(self.method))}, {worst}, {self.status}"
         if np.ndim(self.value):
-            text = f"{self.value.size} thresholds from {low:.6g} to {high:.6g} kg/s ({basis})"
+            text = f"{np.size(self.value)} thresholds from {low:.6g} to {high:.6g} kg/s ({basis})"
         elif spread is None or self.theorems or np.isnan(spread):
             text = f"{self.enclosure or format(low, '.10g')} kg/s ({basis})"
         else:
             off = "unknown" if self.error is None else f"{self.error:.0e}" if self.error else "0"
-            text = f"{with_error(self.value, float(spread))} kg/s (parameters) +/- {off} (method: {self.method})"
+            text = f"{with_error(float(low), float(spread))} kg/s (parameters) +/- {off} (method: {self.method})"
             spread = None
         if spread is not None:
             size = f"{ranged(spread, '.2g')} kg/s" if np.isfinite(spread).all() else "unknown"
@@ -225,13 +232,15 @@ class Threshold(QuantityResult, TableResult):
     def __float__(self) -> float:
         """The threshold in kg/s; several are refused."""
         if np.ndim(self.value):
-            raise InputError(f"{self.value.size} thresholds are no single number; take value, an array of them")
+            raise InputError(
+                f"{np.size(self.value)} thresholds are no single number; take value, an array of them"
+            )
         return float(self.value)
 
     def _repr_html_(self) -> str:
         value, method = np.atleast_1d(self.value), np.atleast_1d(self.method)
         spread = None if self._standard_error is None else np.atleast_1d(self._standard_error)
-        rows = []
+        rows = list[list[str]]()
         for index in markup.shortened(list(np.ndindex(value.shape))):
             row = ["..."] * 6
             if index is not None:
@@ -246,6 +255,21 @@ class Threshold(QuantityResult, TableResult):
         return markup.table(head, body, caption=f"pure-slip damping: {self}")
 
 
+@overload
+def pure_slip_damping(
+    law: FrictionLaw | str,
+    osc: Oscillator | None = None,
+    /,
+    *,
+    V: OneValue | None = None,
+    N: OneValue | None = None,
+    m: OneValue | None = None,
+    k: OneValue | None = None,
+    method: MethodName | Criterion | Method = "auto",
+    rtol: float = 1e-3,
+    time_limit: float | None = None,
+) -> Threshold[float]: ...
+@overload
 def pure_slip_damping(
     law: FrictionLaw | str,
     osc: Oscillator | None = None,
@@ -255,10 +279,23 @@ def pure_slip_damping(
     N: Quantity | None = None,
     m: Quantity | None = None,
     k: Quantity | None = None,
-    method: str | Criterion | Method = "auto",
+    method: MethodName | Criterion | Method = "auto",
     rtol: float = 1e-3,
     time_limit: float | None = None,
-) -> Threshold:
+) -> Threshold[FloatArray]: ...
+def pure_slip_damping(
+    law: FrictionLaw | str,
+    osc: Oscillator | None = None,
+    /,
+    *,
+    V: Quantity | None = None,
+    N: Quantity | None = None,
+    m: Quantity | None = None,
+    k: Quantity | None = None,
+    method: MethodName | Criterion | Method = "auto",
+    rtol: float = 1e-3,
+    time_limit: float | None = None,
+) -> Threshold[Any]:
     """Return the pure-slip damping of a law at operating points: with less damping the slip from P comes back.
 
     Parameters
@@ -323,11 +360,11 @@ def pure_slip_damping(
 
 def threshold_at(
     points: OperatingPoints,
-    method: str | Criterion | Method,
+    method: MethodName | Criterion | Method,
     rtol: float,
     time_limit: float | None,
     shared: Reference | None = None,
-) -> Threshold:
+) -> Threshold[Any]:
     """Return thresholds as `pure_slip_damping` does; `shared` is what several methods share at the same points."""
     law, chosen = points.law, find_method(method)
     law.require_values()

@@ -1,0 +1,24 @@
+"""What type checkers know of results: mypy reads this, and refuses it where one of these types is another."""
+
+from typing import assert_type
+
+import numpy as np
+
+import stickslip_sym as ss
+from stickslip_sym.core.aliases import FloatArray
+
+
+def types_of_results(law: ss.FrictionLaw, oscillator: ss.Oscillator, speeds: FloatArray) -> None:
+    """Use results as a program does; nothing runs it."""
+    assert_type(ss.pure_slip_damping(law, oscillator).value, float)
+    assert_type(ss.pure_slip_damping(law, V=0.5, N="9.81").value, float)
+    assert_type(ss.pure_slip_damping(law, V=speeds, N=9.81).value, FloatArray)
+    assert_type(ss.pure_slip_damping(law, oscillator).relative_error, float | None)
+    assert_type(ss.derive(law)(V=0.5, N=9.81), float)
+    assert_type(ss.slope_average(law)(V=speeds, N=np.float64(9.81)), FloatArray)
+    fits = ss.fit(speeds, speeds)
+    assert_type(fits[0], ss.results.Fit)
+    assert_type(fits["linear"], ss.results.Fit)
+    assert_type(fits[:2], tuple[ss.results.Fit, ...])
+    assert_type(ss.margins(law, oscillator).threshold.value, float)
+    assert_type(ss.simulate(law, oscillator, t_end=1.0), ss.results.Trajectory)
