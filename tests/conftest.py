@@ -6,12 +6,11 @@ import random
 # Tests run in several processes; threads of linear algebra on top would wait for each other.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import commands
 import pytest
-import results
+from bytecode import share_bytecode
 from hypothesis import HealthCheck, settings
 
-import stickslip_sym as ss
+# The package is imported where it is used: the first process of a run only shares out tests.
 
 TOGETHER = {
     "claims": ("paper_checks/", "tests/whole/test_mutations.py"),
@@ -41,6 +40,7 @@ def pytest_addoption(parser):
 
 
 def pytest_configure(config):
+    share_bytecode()
     config.addinivalue_line("markers", "thorough: takes long, and is left to ``pytest --thorough``")
     settings.load_profile("thorough" if config.getoption("--thorough") else "default")
     if (fresh := config.getoption("--fresh")) is not None:
@@ -91,12 +91,16 @@ def pytest_collection_modifyitems(config, items):
 @pytest.fixture(params=["exponential", "polynomial"])
 def law(request):
     """Each of the paper's two laws at the paper's parameters."""
+    import stickslip_sym as ss
+
     return ss.laws.catalogue[request.param].typical()
 
 
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     """Run the command in this process, in an empty folder; return its exit code and what it printed."""
+    import commands
+
     monkeypatch.chdir(tmp_path)
 
     def results(*arguments):
@@ -109,6 +113,8 @@ def run(tmp_path, monkeypatch):
 @pytest.fixture(scope="session")
 def of_each_kind():
     """One of every result by its name, made once in each process; `results.untouched` gives them as they were."""
+    import results
+
     made = results.one_of_each()
     results.untouched("law")
     return made

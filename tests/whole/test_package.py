@@ -1,6 +1,6 @@
 """The package as a whole: the direction of imports, what an import loads, and the public names."""
 
-import importlib
+import importlib.util
 import inspect
 import re
 import subprocess
@@ -174,3 +174,7 @@ def test_what_is_no_oscillator_is_refused(name, osc):
     given = [values[key] for key in TAKEN[name] if key in values]
     with pytest.raises(ss.InputError, match="an Oscillator"):
         FUNCTIONS[name](*given, **{key: value for key, value in BY_NAME.items() if key in TAKEN[name]})
+
+
+def test_processes_that_tests_start_need_not_compile_the_libraries():
+    assert Path(importlib.util.cache_from_source(importlib.util.find_spec("sympy").origin)).exists()
