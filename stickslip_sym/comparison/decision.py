@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from stickslip_sym.core.uncertain import interval, with_error
 from stickslip_sym.model.fitting.averaged import Averaged
 from stickslip_sym.model.fitting.weights import RANKED
+from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.output.data import DataResult
 
 _FEWEST = 5  # speeds, below which the range of the threshold is stated, and no decision
@@ -15,6 +18,7 @@ _AVERAGED = 6  # speeds, from which the average over laws decides, and not all l
 _DECIDED = 0.95  # probability from which a decision is stated
 _LEAST = 0.001  # probability that is shown as no more than that
 _LEAST_OF_FEW = 0.01  # the same where laws cannot be ranked
+_NODES, _SHARES = np.polynomial.legendre.leggauss(24)  # friction is smooth there, but for a power of v
 
 
 @dataclass(frozen=True)
@@ -40,7 +44,7 @@ class Decision(DataResult):
         The pure-slip damping by every law; None where the law was not fitted.
     """
 
-    reported = ("below", "probability", "value", "standard_error", "range", "statement")
+    reported = ("below", "probability", "value", "standard_error", "range", "statement", "if_friction_builds_up")
 
     c: float
     c_error: float
@@ -109,6 +113,27 @@ class Decision(DataResult):
         return max(low, 0.0), max(high, 0.0)
 
     @property
+    def if_friction_builds_up(self) -> float | None:
+        """The pure-slip damping if friction builds up from 0 to the lowest measured speed, by the average of laws.
+
+        None where that is nothing of it: without fits, or measured down to rest.
+        """
+        if self.averaged is None or self.averaged.unmeasured <= 0:
+            return None
+        return max(self.averaged.value - self.averaged.unmeasured, 0.0)
+
+    @property
+    def _of_unmeasured(self) -> str:
+        """What is said of friction below the lowest measured speed, where it could turn the decision."""
+        least = self.if_friction_builds_up
+        if self.averaged is None or least is None or not least < self.c < self.value:
+            return ""
+        return (
+            f"friction below {self.averaged.lowest:.3g} m/s was not measured: if it builds up from 0 there, the "
+            f"threshold may be as low as {least:.3g} kg/s"
+        )
+
+    @property
     def probability_in_words(self) -> str | None:
         """The probability as every place shows it, like "> 0.999" or "= 0.87"."""
         return None if self.probability is None else self._in_words(self.probability)
@@ -149,7 +174,8 @@ class Decision(DataResult):
         if self.averaged is not None and len(self.averaged.rows) > 1:
             threshold += f", averaged over {len(self.averaged.rows)} laws"
         more = f" ({', '.join(remarks)})" if remarks else ""
-        return f"c = {rounded(self.c, self.c_error)} kg/s is {apart}{side} {threshold}{more}"
+        unmeasured = f"; {self._of_unmeasured}" if self._of_unmeasured else ""
+        return f"c = {rounded(self.c, self.c_error)} kg/s is {apart}{side} {threshold}{more}{unmeasured}"
 
     def _statement_of_few(self) -> str:
         c = f"c = {rounded(self.c, self.c_error)} kg/s"
@@ -159,7 +185,9 @@ class Decision(DataResult):
             return f"{said}, and no law has fewer parameters{advice}"
         count = len(self.averaged.rows)
         laws = f"the {count} laws that may be meant" if count > 1 else "the one law that may be meant"
-        said += f"; the threshold is from {self.range_in_words} kg/s by {laws}"
+        where = f", friction below {self.averaged.lowest:.3g} m/s not measured,"
+        where *= self.if_friction_builds_up is not None
+        said += f"; the threshold is from {self.range_in_words} kg/s{where} by {laws}"
         if self._speeds < _FEWEST:
             return f"{said}, and no decision is stated for {c}{advice}"
         if self._speeds >= _AVERAGED:
@@ -169,10 +197,26 @@ class Decision(DataResult):
             chances = f"P {least}" if least == most else f"P {least} to P {most}"
             agree = ", which agree" if self.below is not None else ", which do not agree"
         said += agree * (count > 1)
+        advice = (f"; {self._of_unmeasured}" if self._of_unmeasured else "") + advice
         if self.below is None:
             return f"{said}: {chances} that {c} is below it{advice}"
         side = "below" if self.below else "above"
-        return f"{c} is {side} the threshold; {said}: {chances} that c is below it"
+        unmeasured = f"; {self._of_unmeasured}" if self._of_unmeasured else ""
+        return f"{c} is {side} the threshold; {said}: {chances} that c is below it{unmeasured}"
+
+
+def unmeasured_part(law: FrictionLaw, lowest: float, V: float, N: float) -> float:
+    """Return by how much the threshold is less if friction builds up from 0 to the lowest measured speed.
+
+    In kg/s, by the least-squares slope average, equation (16) integrated by parts: friction that rises along a
+    line, mu(v) v/lowest, in place of mu(v).
+    """
+    top = min(lowest, V)
+    if top <= 0:
+        return 0.0
+    v = top / 2 * (1 + _NODES)
+    missing = law.at_speeds(v) * (1 - v / lowest) * (1 - v / V) ** 3
+    return max(float(5 * N / (2 * V**2) * (top / 2 * _SHARES @ missing)), 0.0)
 
 
 def chance_in_words(chance: float, least: float) -> str:

@@ -16,7 +16,7 @@ import numpy as np
 import sympy as sp
 
 from stickslip_sym.comparison.compare import Row, compare
-from stickslip_sym.comparison.decision import Decision, chance_in_words, rounded
+from stickslip_sym.comparison.decision import Decision, chance_in_words, rounded, unmeasured_part
 from stickslip_sym.comparison.plane import ABOVE, BAND, Plane, draw_plane, plane
 from stickslip_sym.core import symbols
 from stickslip_sym.core.deadline import require_seconds
@@ -604,10 +604,12 @@ def _choice(subject: _Subject) -> Averaged | None:
             value=threshold.value,
             uncertainty=threshold.budget and threshold.budget.uncertainty,
             budget=threshold.budget,
+            unmeasured=unmeasured_part(law, lowest, subject.oscillator.V, subject.oscillator.N),
         )
 
     if subject.fits is None:
         return None
+    lowest = float(subject.fits.measured.v[0])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", InputWarning)  # of laws that are not studied
         return subject.fits.average(estimate)

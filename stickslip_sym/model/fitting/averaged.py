@@ -1,7 +1,7 @@
 """`Averaged`: a quantity by each law that may be meant, how likely it is above a value, and its intervals."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,8 @@ _NODES = (np.arange(400) + 0.5) / 400  # probabilities at which the narrower of 
 _SHARP = 1e-300  # a standard error in place of 0
 _BEYOND = 100  # times less likely than the ends of an interval: there it is bracketed
 _RESOLVED = 1e-9  # of the bracket
+_BUILDS_UP = 0.04  # probability that friction builds up from 0 below the lowest measured speed, of each law
+_SHARES = (np.arange(8) + 0.5) / 8  # of the part that hangs on it, which any share of may be missing
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,8 @@ class ByLaw(DataResult):
     """A quantity by one law: the law's name and weight, the value and its standard error.
 
     `of_point` is the part of the standard error that is none of the fit: of the operating point, normal.
+    `unmeasured` is by how much the value is less if friction builds up from 0 to the lowest measured speed, where
+    the law was not measured, and not as the law continues.
     """
 
     law: str
@@ -31,6 +35,7 @@ class ByLaw(DataResult):
     value: float
     standard_error: float
     of_point: float = 0.0
+    unmeasured: float = 0.0
 
     @property
     def of_fit(self) -> float:
@@ -42,7 +47,9 @@ class ByLaw(DataResult):
 class Averaged(TableResult):
     """A quantity by each of several laws, and its average by their weights.
 
-    Each law's value has a Student distribution, whose scale comes from one noise for all laws.
+    Each law's value has a Student distribution, whose scale comes from one noise for all laws. With a probability
+    of 4 % friction builds up from 0 below the lowest measured speed, and the value is less by a share, any from 0
+    to 1, of what hangs on that.
 
     Attributes
     ----------
@@ -59,6 +66,8 @@ class Averaged(TableResult):
         Degrees of freedom of the noise; 0 where no law has fewer parameters than there are speeds.
     unknown : float
         The weight of the laws that have no such quantity, over that of all.
+    lowest : float
+        The lowest measured speed in m/s.
 
     References
     ----------
@@ -72,10 +81,18 @@ class Averaged(TableResult):
     speeds: int = 0
     dof: float = 0.0
     unknown: float = 0.0
+    lowest: float = 0.0
 
     @classmethod
     def of(
-        cls, rows: Sequence[ByLaw], refused: Mapping[str, str], *, speeds: int, dof: float, unknown: float
+        cls,
+        rows: Sequence[ByLaw],
+        refused: Mapping[str, str],
+        *,
+        speeds: int,
+        dof: float,
+        unknown: float,
+        lowest: float = 0.0,
     ) -> "Averaged":
         """Return the average of a quantity by some laws."""
         weights = np.array([row.weight for row in rows])
@@ -83,7 +100,12 @@ class Averaged(TableResult):
         errors = np.array([row.standard_error for row in rows])
         mean = float(np.average(values, weights=weights))
         variance = float(np.average(errors**2 + (values - mean) ** 2, weights=weights))
-        return cls(tuple(rows), refused, mean, float(np.sqrt(variance)), speeds, dof, unknown)
+        return cls(tuple(rows), refused, mean, float(np.sqrt(variance)), speeds, dof, unknown, lowest)
+
+    @property
+    def unmeasured(self) -> float:
+        """By how much the average is less if friction builds up from 0 to the lowest measured speed."""
+        return float(np.average([row.unmeasured for row in self.rows], weights=self._weights))
 
     def above(self, value: float, standard_error: float = 0.0) -> float:
         """Return the probability that the quantity is above a value, which may have a normal error of its own.
@@ -102,34 +124,52 @@ class Averaged(TableResult):
                 f"no law has fewer parameters than the {self.speeds} speeds that were measured, and the noise is "
                 "not known; measure at more speeds, or give sigma"
             )
-        return np.array([
-            _above(row.value - value, row.of_fit, self.dof, float(np.hypot(row.of_point, standard_error)))
-            for row in self.rows
-        ])  # fmt: skip
+        return np.array([self._above_by(row, value, standard_error) for row in self.rows])
+
+    def _above_by(self, row: ByLaw, value: float, standard_error: float) -> float:
+        error = float(np.hypot(row.of_point, standard_error))
+
+        def above(missing: float) -> float:
+            return _above(row.value - missing - value, row.of_fit, self.dof, error)
+
+        if row.unmeasured <= 0:
+            return above(0.0)
+        built_up = float(np.mean([above(share * row.unmeasured) for share in _SHARES]))
+        return (1 - _BUILDS_UP) * above(0.0) + _BUILDS_UP * built_up
 
     def _table_columns(self) -> dict[str, list[Any]]:
         return columns_of(self.rows, "law", "weight", "value", "standard_error")
 
     def interval(self, level: float = _USUAL) -> tuple[float, float]:
-        """Return the interval that holds the quantity with a probability, averaged over laws."""
-        low, high = self.range(1 - (1 - level) / _BEYOND)
+        """Return the interval that holds the quantity with a probability, averaged over laws.
+
+        If friction may build up from 0 where it was not measured, it reaches down to what it is then.
+        """
+        measured = replace(self, rows=tuple(replace(row, unmeasured=0.0) for row in self.rows))
+        low, high = measured.range(1 - (1 - level) / _BEYOND)
         if not (np.isfinite([low, high]).all() and low < high):
-            return low, high
+            return low - self.unmeasured, high
+
+        resolved = _RESOLVED * (high - low)
+        bracket = low - resolved, high + resolved  # values without an error are steps of the probability
 
         def end(share: float) -> float:
-            return float(brentq(lambda value: self.above(value) - share, low, high, xtol=_RESOLVED * (high - low)))
+            return float(brentq(lambda value: measured.above(value) - share, *bracket, xtol=resolved))
 
-        return end((1 + level) / 2), end((1 - level) / 2)
+        return end((1 + level) / 2) - self.unmeasured, end((1 - level) / 2)
 
     def range(self, level: float = _USUAL) -> tuple[float, float]:
-        """Return from where to where such intervals of all laws reach together, each by its law alone."""
+        """Return from where to where such intervals of all laws reach together, each by its law alone.
+
+        If friction may build up from 0 where it was not measured, they reach down to what it is then.
+        """
         share = (1 + level) / 2
         student = stdtrit(self.dof, share) if self.dof > 0 else np.inf
         ends = list[tuple[float, float]]()
         for row in self.rows:
             of_fit = student * row.of_fit if row.of_fit > 0 else 0.0
             half = float(np.hypot(of_fit, ndtri(share) * row.of_point))
-            ends.append((row.value - half, row.value + half))
+            ends.append((row.value - max(row.unmeasured, 0.0) - half, row.value + half))
         return min(low for low, _ in ends), max(high for _, high in ends)
 
     @property

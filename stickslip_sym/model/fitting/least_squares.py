@@ -1,4 +1,4 @@
-"""The least squares of a friction law and measurements, by SciPy's `least_squares` with exact derivatives."""
+"""The least squares of a friction law and measurements, by SciPy's `leastsq` with exact derivatives."""
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from heapq import heapify, heappop, heappush
@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
-from scipy.optimize import least_squares, lsq_linear
+from scipy.optimize import least_squares, leastsq, lsq_linear
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
@@ -20,6 +20,7 @@ from stickslip_sym.model.measured.measurements import Measurements
 _AT_REST = 1e-200  # m/s, in place of 0, where a power of v has no derivative with respect to its exponent
 _TOLERANCE = 1e-11  # relative, of the sum of squares and of the values; rounding allows 1e-14
 _ROUNDING = 1e-15  # cosine of the angle between residuals and derivatives that is 0
+_CONVERGED = range(1, 5)  # what `leastsq` returns where one of its tolerances is met
 _EVALUATIONS = 600  # of the law, for one start; more are needed only where values grow without bound
 _OUTSIDE = 1e6  # largest residual, in units of the largest weighted mu, and where the law has no real value
 _LARGEST_LOGARITHM = 690.0  # of a positive value, short of overflow
@@ -86,13 +87,17 @@ class Problem:
         return self._weighted(self._derivatives, p).T
 
     def _weighted(self, function: Callable[..., Any], p: Sequence[FloatArray] | FloatArray) -> FloatArray:
+        """Return rows of a function times the weights, at one set of values or, by columns, at a grid of them."""
+        v, grids = self._v, p
+        if isinstance(p, list):
+            shape = np.broadcast_shapes(v.shape, *map(np.shape, p))
+            v = np.broadcast_to(v, shape)
+            grids = [np.broadcast_to(values, shape) for values in p]  # conditions have one shape
         with np.errstate(all="ignore"):
-            shape = np.broadcast_shapes(self._v.shape, *map(np.shape, p))
-            grids = (
-                p if len(shape) == 1 else [np.broadcast_to(values, shape) for values in p]
-            )  # conditions have one shape
-            values = function(np.broadcast_to(self._v, shape), *grids, *self.known)
-            rows = np.array([self._weights * reals(np.broadcast_to(column, shape)) for column in values])
+            values = function(v, *grids, *self.known)
+            rows = np.empty((len(values), *v.shape))
+            for row, column in zip(rows, values, strict=True):
+                row[...] = self._weights * reals(column)
             return self.measured.beside_branches(rows)
 
     def minimum(self, start: FloatArray) -> Minimum | None:
@@ -103,33 +108,42 @@ class Problem:
         outside = _OUTSIDE * float(np.max(np.abs(self._weights * self.measured.mu))) + 1.0
 
         def values(x: FloatArray) -> FloatArray:
+            p = x.copy()
             with np.errstate(over="ignore"):
-                return np.where(logarithmic, np.exp(np.where(logarithmic, x, 0.0)), x)
+                p[logarithmic] = np.exp(x[logarithmic])
+            return p
 
         def residuals(x: FloatArray) -> FloatArray:
-            return np.nan_to_num(np.clip(-self.residuals(values(x)), -outside, outside), nan=outside)
+            left = -self.residuals(values(x))
+            left[np.isnan(left)] = outside
+            return left.clip(-outside, outside)
 
         def slopes(x: FloatArray) -> FloatArray:
             p = values(x)
             with np.errstate(all="ignore"):
                 raw = self.jacobian(p) * np.where(logarithmic, p, 1.0)
-            return np.where(np.isfinite(raw), np.clip(raw, -_STEEPEST, _STEEPEST), 0.0)
+            return np.where(np.isfinite(raw), raw.clip(-_STEEPEST, _STEEPEST), 0.0)
 
         p = start
         if len(start):
             begin = np.where(logarithmic, np.log(np.maximum(start, np.exp(-_LARGEST_LOGARITHM))), start)
             begin = np.clip(begin, lowest, highest)  # rounding may leave a start just outside
-            how: dict[str, Any] = {
-                "x_scale": "jac", "ftol": _TOLERANCE, "xtol": _TOLERANCE, "max_nfev": _EVALUATIONS,
-            }  # fmt: skip
+            how: dict[str, Any] = {"ftol": _TOLERANCE, "xtol": _TOLERANCE}
             # Levenberg and Marquardt's method knows no bounds, and follows flat valleys in fewer steps.
-            result = least_squares(residuals, begin, slopes, method="lm", gtol=_ROUNDING, **how)
-            if result.status <= 0 or (result.x < lowest).any() or (result.x > highest).any():
-                bounds = lowest, highest
-                result = least_squares(residuals, begin, slopes, bounds=bounds, method="dogbox", gtol=None, **how)
-            if result.status <= 0:
+            x, _, _, _, status = leastsq(
+                residuals, begin, Dfun=slopes, full_output=True, gtol=_ROUNDING, maxfev=_EVALUATIONS, **how
+            )
+            if (x < lowest).any() or (x > highest).any():
+                result = least_squares(
+                    residuals, begin, slopes, bounds=(lowest, highest), method="dogbox",
+                    x_scale="jac", gtol=None, max_nfev=_EVALUATIONS, **how,
+                )  # fmt: skip
+                if result.status <= 0:
+                    return None
+                x = result.x
+            elif status not in _CONVERGED:
                 return None
-            p = values(result.x)
+            p = values(x)
         chi_squared = float(np.sum(self.residuals(p) ** 2))
         if not np.isfinite(chi_squared):
             return None

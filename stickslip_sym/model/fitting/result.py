@@ -369,8 +369,8 @@ class Fits(_Report, Sequence[Fit], TableResult):
         ----------
         quantity : callable
             What a law with standard errors gives, with a `value` and an `uncertainty`, which may be None, as
-            ``lambda law: pure_slip_damping(law, V=0.5, N=9.81)``. Laws whose weight is below a hundredth of the
-            best one's are left out.
+            ``lambda law: pure_slip_damping(law, V=0.5, N=9.81)``; if it has `unmeasured`, `ByLaw` says what that
+            is. Laws whose weight is below a hundredth of the best one's are left out.
 
         Raises
         ------
@@ -399,7 +399,8 @@ class Fits(_Report, Sequence[Fit], TableResult):
             # The noise is one for all laws, and not what each leaves.
             of_fit *= math.sqrt(self._weighing.variance / fit.variance) if fit.variance > 0 else 0.0
             spread = math.hypot(of_fit, of_point)
-            rows.append(ByLaw(fit.name, fit.weight, float(estimate.value), spread, of_point))
+            unmeasured = float(getattr(estimate, "unmeasured", 0.0))
+            rows.append(ByLaw(fit.name, fit.weight, float(estimate.value), spread, of_point, unmeasured))
         if not rows:
             raise InputError(f"no law has it: {next(iter(refused.items()))}")
         return Averaged.of(
@@ -408,6 +409,7 @@ class Fits(_Report, Sequence[Fit], TableResult):
             speeds=speeds_that_count(self.measured),
             dof=self._weighing.dof,
             unknown=unknown / (unknown + sum(row.weight for row in rows)),
+            lowest=float(self.measured.v[0]),
         )
 
     @property

@@ -1,6 +1,7 @@
 """What few rows say: weights of laws, one noise, Student's distribution, laws that do not describe them."""
 
 import warnings
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from scipy.stats import binomtest
 from sweeps import sweep
 
 import stickslip_sym as ss
-from stickslip_sym.comparison.decision import Decision
+from stickslip_sym.comparison.decision import Decision, unmeasured_part
 from stickslip_sym.model.fitting.averaged import Averaged, ByLaw
 
 LAWS = ["linear", "exponential", "gaussian", "hyperbolic", "tanh", "lorentzian"]
@@ -20,6 +21,13 @@ POINT = {"V": 0.5, "N": 9.81}
 
 def slope(law):
     return ss.pure_slip_damping(law, **POINT, method="harmonic")
+
+
+def least_squares(law):
+    """The slope average (16) as an integral of mu."""
+    nodes, shares = np.polynomial.legendre.leggauss(400)
+    speeds = POINT["V"] * (1 + nodes)
+    return float(-2.5 * POINT["N"] / POINT["V"] * (nodes**3 * shares) @ law.at_speeds(speeds))
 
 
 def measured(count, seed, noise=0.005, name="exponential"):
@@ -166,3 +174,37 @@ def test_studies_say_one_thing_of_few_rows():
     assert shown["decision"]["below"] is True
     assert shown["margins"]["probability"] is None
     assert study.needed == (study.decision.value, study.decision.standard_error)
+
+
+def test_friction_that_nobody_measured_makes_no_confident_decision():
+    """Friction below the lowest speed is in the threshold: it may build up from 0 there, unseen."""
+    law = ss.laws.andersson.typical(v_0=0.03)
+    v = np.linspace(0.1, 1.2, 12)
+    fits = ss.fit(v, law.mu(v), laws=["exponential", "exponential_viscous", "gaussian_viscous", "kragelskii"])
+
+    def decided(c):
+        def estimate(law):
+            value, part = least_squares(law), unmeasured_part(law, 0.1, **POINT)
+            return SimpleNamespace(value=value, uncertainty=0.0, unmeasured=part)
+
+        return Decision.of_measured(c, 0.0, fits.average(estimate))
+
+    true = least_squares(law)
+    between = decided(0.97 * decided(1.0).value)
+    assert true < between.c  # the laws alone are sure, and wrong
+    assert between.probability < 0.99
+    assert "friction below 0.1 m/s was not measured: if it builds up from 0 there, the threshold" in str(
+        between.statement
+    )
+    assert between.range[0] <= true <= between.range[1]
+    low = decided(0.5 * between.if_friction_builds_up)
+    assert low.probability > 0.999
+    assert "not measured" not in low.statement
+
+
+def test_unmeasured_part_is_the_difference_of_two_thresholds():
+    """A law that builds up along a line, as pieces, has a slope average less by that part."""
+    law = ss.FrictionLaw("mu_k + mu_d*exp(-3*v)").bind(mu_k=0.2, mu_d=0.3)
+    built_up = ss.FrictionLaw("Piecewise((v/0.05, v < 0.05), (1, True))*(0.2 + 0.3*exp(-3*v))")
+    values = [least_squares(each) for each in (law, built_up)]
+    assert unmeasured_part(law, 0.05, **POINT) == pytest.approx(values[0] - values[1], rel=1e-4)
