@@ -5,6 +5,8 @@ resolved function of the quantity, and what passes c is sought where that does. 
 is that of the gap between both halves of the grazing orbit at c (`needed`): that takes one gap, a threshold some.
 """
 
+from __future__ import annotations
+
 import math
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -138,7 +140,7 @@ class CriticalValues(tuple[Critical, ...], TableResult):
     def __new__(
         cls, values: Iterable[Critical], of: str, unit: str | None, looked: tuple[float, float],
         unresolved: tuple[tuple[float, float], ...] = (),
-    ) -> "CriticalValues":  # fmt: skip
+    ) -> CriticalValues:  # fmt: skip
         """Make the values a tuple."""
         made = super().__new__(cls, values)
         made.of, made.unit, made.looked, made.unresolved = of, unit, looked, unresolved
@@ -632,7 +634,7 @@ class _Search:
                         edges.add(float(brentq(off, low, high, xtol=_MEETS * max(abs(low), abs(high)))))
         return sorted(edges)
 
-    def _quick(self, x: float) -> "_QuickSpeeds":
+    def _quick(self, x: float) -> _QuickSpeeds:
         """Return near which slip speeds mu varies quickly, beside those of the orbit that grazes."""
         if x not in self.quick:
             none = _QuickSpeeds((), (1.0, 1.0))
