@@ -9,7 +9,7 @@ from html import unescape
 
 import numpy as np
 import pytest
-from pages import browse, require_browser
+from pages import require_browser, sent_by
 from uncertainties import ufloat
 
 import stickslip_sym as ss
@@ -36,19 +36,21 @@ result.text = document.getElementById("c-threshold").textContent;
 result.invalid = [...document.querySelectorAll("[aria-invalid=true]")].map(node => node.id);
 result.told = document.getElementById("slider-V").getAttribute("aria-valuetext");
 result.overflow = document.documentElement.scrollWidth - innerWidth;
-const pre = document.createElement("pre");
-pre.textContent = JSON.stringify(result);
-document.body.append(pre);
+result.number = %d;
+parent.postMessage(JSON.stringify(result), "*");
 </script></body>"""
 
 
-def moved(page, shares, tmp_path, written=None):
-    """Return what the page computes: sliders moved to shares of their lengths, and fields written in."""
-    script = _MOVED % (json.dumps(shares), json.dumps(written or {}))
-    (tmp_path / "page.html").write_text(page.replace("</body>", script), encoding="utf-8")
-    done = browse((tmp_path / "page.html").as_uri(), tmp_path)
-    assert (done.returncode, ":CONSOLE" in done.stderr) == (0, False), done.stderr
-    return json.loads(unescape(re.search(r"<pre>(.*?)</pre>", done.stdout)[1]))
+def moved(page, tmp_path, *moves):
+    """Return what the page computes after each move: sliders at shares of their lengths, and fields written in."""
+    frames = []
+    for number, (shares, written) in enumerate(moves):
+        script = _MOVED % (json.dumps(shares), json.dumps(written), number)
+        (tmp_path / f"{number}.html").write_text(page.replace("</body>", script), encoding="utf-8")
+        frames.append(f'<iframe src="{number}.html" width="1300" height="900"></iframe>')
+    found = [json.loads(unescape(text)) for text in sent_by(frames, tmp_path)]
+    assert len(found) == len(moves)
+    return sorted(found, key=lambda one: one["number"])
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +62,8 @@ def test_a_slider_moved_shows_what_python_computes(page, tmp_path):
     require_browser(tmp_path)
     assert len(page) < 500_000
     assert not re.findall(r"(?:src|href)=\"(?!data:)|url\(|https?://|@import|fetch\(", page)
-    found = moved(page, {"V": 0.31, "alpha": 0.72, "mu_s": 0.6, "c": 0.5}, tmp_path)
+    moves = {"V": 0.31, "alpha": 0.72, "mu_s": 0.6, "c": 0.5}, {"V": 0.4, "N": 0.7}
+    found, at_own = moved(page, tmp_path, *((shares, {}) for shares in moves))
     state = found["state"]
     assert state["V"] == pytest.approx(0.5 * 5 ** (2 * 0.31 - 1), rel=1e-9)
     law = ss.laws.exponential.bind(**{name: state[name] for name in ("mu_s", "mu_m", "alpha")})
@@ -72,7 +75,6 @@ def test_a_slider_moved_shows_what_python_computes(page, tmp_path):
     assert float(found["c-threshold"]) == pytest.approx(threshold.value, rel=1e-6)
     assert found["told"] == f"{state['V']:.6g} m/s"
     assert found["overflow"] <= 0
-    at_own = moved(page, {"V": 0.4, "N": 0.7}, tmp_path)
     osc = ss.Oscillator(**{name: at_own["state"][name] for name in "VNmkc"})
     motion = ss.simulate(ss.laws.exponential.typical(), osc, t_end=2)
     t = np.linspace(0.1, 1.9, 40)
@@ -84,10 +86,11 @@ def test_a_slider_moved_shows_what_python_computes(page, tmp_path):
 
 def test_what_python_refuses_the_page_refuses_and_a_comma_is_a_decimal_sign(page, tmp_path):
     require_browser(tmp_path)
-    comma = moved(page, {}, tmp_path, {"V": "0,3"})
+    wrong = {"V": "-1", "N": "-5", "m": "0", "k": "1e", "alpha": "x"}
+    written = [{"V": "0,3"}, *({name: text} for name, text in wrong.items())]
+    comma, *refused = moved(page, tmp_path, *(({}, fields) for fields in written))
     assert (comma["state"]["V"], comma["invalid"]) == (0.3, [])
-    for name, text in {"V": "-1", "N": "-5", "m": "0", "k": "1e", "alpha": "x"}.items():
-        found = moved(page, {}, tmp_path, {name: text})
+    for name, found in zip(wrong, refused, strict=True):
         assert found["invalid"] == [f"value-{name}"]
         assert found["headline"].startswith(f"{name} ")
         assert found["state"] == {
@@ -193,7 +196,8 @@ def test_uncertain_values_and_measured_points_are_on_the_page(tmp_path):
     assert "what was measured" in page
     assert "95 % band" in page
     require_browser(tmp_path)
-    shown = moved(page, {}, tmp_path)["text"]  # before the slow part
+    (found,) = moved(page, tmp_path, ({}, {}))
+    shown = found["text"]  # before the slow part
     assert float(shown.split()[0]) == pytest.approx(ss.pure_slip_damping(law, osc).value, rel=1e-3)
 
 
@@ -212,7 +216,7 @@ def test_kinked_and_measured_laws_have_a_page_and_user_s_words_are_no_code(tmp_p
         page = explorer(one, ss.Oscillator(c=1, **POINT), time_limit=2)
         assert page.count("<script>") == page.count("</script>") == 1
         assert len(page) < 500_000
-        found = moved(page, {"V": 0.4}, tmp_path)
+        (found,) = moved(page, tmp_path, ({"V": 0.4}, {}))
         V = found["state"]["V"]
         assert float(found["c-equilibrium"]) == pytest.approx(-9.81 * float(one.slope(V)), rel=1e-9)
         for name in ("least_squares", "harmonic"):

@@ -43,11 +43,18 @@ def require_browser(tmp_path):
     """Skip what follows where no browser is, or it cannot start."""
     if find_browser() is None:
         pytest.skip("all but the browser's part: no chromium on this machine (Debian: apt-get install chromium)")
-    started = browse("about:blank", tmp_path)
-    if started.returncode < 0:  # where memory for addresses is limited, chromium stops with SIGTRAP at any page
-        pytest.skip(
-            f"all but the browser's part: chromium cannot show an empty page here (signal {-started.returncode})"
-        )
+    code = _code_of_an_empty_page(tmp_path)
+    if code < 0:  # where memory for addresses is limited, chromium stops with SIGTRAP at any page
+        pytest.skip(f"all but the browser's part: chromium cannot show an empty page here (signal {-code})")
+
+
+_codes = list[int]()
+
+
+def _code_of_an_empty_page(tmp_path):
+    if not _codes:  # once in each process
+        _codes.append(browse("about:blank", tmp_path).returncode)
+    return _codes[0]
 
 
 WIDTHS = (1200, 360)
@@ -75,16 +82,21 @@ addEventListener("message", event => {
 </script>"""
 
 
+def sent_by(frames, tmp_path):
+    """Return the messages that pages in frames send, as text of HTML; one start of the browser shows all."""
+    file = tmp_path / "several.html"
+    file.write_text("\n".join([_SEVERAL, *frames]), encoding="utf-8")
+    done = browse(file.as_uri(), tmp_path)
+    assert (done.returncode, ":CONSOLE" in done.stderr) == (0, False), done.stderr
+    return re.findall(r"<pre>(.*?)</pre>", done.stdout)
+
+
 def look_at(page, tmp_path):
     """Return what a browser shows of a page in frames of several widths: nothing overflows, pictures are drawn."""
     require_browser(tmp_path)
     (tmp_path / "probed.html").write_text(page.replace("</body>", _PROBE), encoding="utf-8")
     frames = [f'<iframe src="probed.html" width="{width}" height="900"></iframe>' for width in WIDTHS]
-    file = tmp_path / "several.html"
-    file.write_text("\n".join([_SEVERAL, *frames]), encoding="utf-8")
-    done = browse(file.as_uri(), tmp_path)
-    assert (done.returncode, ":CONSOLE" in done.stderr) == (0, False), done.stderr
-    probes = [json.loads(text) for text in re.findall(r"<pre>(.*?)</pre>", done.stdout)]
+    probes = [json.loads(text) for text in sent_by(frames, tmp_path)]
     assert sorted(probe["width"] for probe in probes) == sorted(WIDTHS)
     for probe in probes:
         assert probe["overflow"] <= 0
