@@ -10,6 +10,7 @@ import commands
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core.errors import InputError
@@ -61,7 +62,7 @@ def proves(script, folder):
 
 
 @needs_coq
-@pytest.mark.parametrize(("law", "criterion"), [*SHORT, (KINKED, "least_squares")])
+@sweep(("law", "criterion"), [*SHORT, (KINKED, "least_squares")], 0, 2)
 def test_coq_accepts_a_closed_form(law, criterion, tmp_path):
     printed = proves(script_of(law, criterion), tmp_path)
     if law == "exponential":

@@ -10,6 +10,7 @@ from html import unescape
 import numpy as np
 import pytest
 from pages import require_browser, sent_by
+from sweeps import sweep
 from uncertainties import ufloat
 
 import stickslip_sym as ss
@@ -154,7 +155,9 @@ def require_node():
 
 
 @pytest.mark.filterwarnings("ignore::stickslip_sym.core.errors.InputWarning")
-@pytest.mark.parametrize("name", ["exponential", "stribeck", "popp_stelter", "arcsinh", "tanh"])
+@sweep(
+    "name", ["exponential", "stribeck", "popp_stelter", "arcsinh", "tanh"], "exponential", "popp_stelter", "tanh"
+)
 def test_thresholds_of_the_page_are_those_of_python(name, tmp_path):
     require_node()
     law = ss.laws[name]
