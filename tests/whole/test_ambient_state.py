@@ -29,6 +29,7 @@ from systems import WINDOWS
 
 import stickslip_sym as ss
 from stickslip_sym.core import deadline, progress
+from stickslip_sym.motion.orbits import damping, needed
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 OSC = ss.Oscillator(**POINT, c=2.3)
@@ -95,15 +96,15 @@ SAMPLE = ("slope average", "quadrature", "measured curve", "orbit")
 """Calls of the default run: those that many digits, caches or compiled code lie behind."""
 
 
+FORGOTTEN = "stickslip_sym.form", "stickslip_sym.motion.orbits", "stickslip_sym.motion.thresholds"
+
+
 def forget():
-    """Forget whatever the package computed before."""
+    """Forget the averages, orbits and thresholds that the package computed before."""
     for name, module in list(sys.modules.items()):
-        if name.startswith("stickslip_sym"):
-            for value in list(vars(module).values()):
-                if hasattr(value, "cache_clear") and getattr(value, "__module__", "").startswith(
-                    "stickslip_sym.form"
-                ):
-                    value.cache_clear()
+        for value in list(vars(module).values()) if name.startswith("stickslip_sym") else ():
+            if hasattr(value, "cache_clear") and getattr(value, "__module__", "").startswith(FORGOTTEN):
+                value.cache_clear()
 
 
 def surroundings():
@@ -124,15 +125,8 @@ def surroundings():
     }  # fmt: skip
 
 
-@pytest.fixture(scope="session")
-def everything_loaded(request):
-    """With all calls, each is made once: the last digits of a threshold are those of plain or of compiled code."""
-    for call in CALLS.values() if request.config.getoption("--thorough") else ():
-        call()
-
-
 @pytest.fixture
-def expected(everything_loaded):
+def expected():
     """Return the result of a call, as this process gives it where nothing is unusual."""
     return lambda name: CALLS[name]()
 
@@ -207,6 +201,19 @@ def test_what_surrounds_a_call_means_nothing(state, name, expected):
         before = surroundings()
         assert CALLS[name]() == right
         assert surroundings() == before
+
+
+@pytest.mark.parametrize("name", ["orbit", "simulated threshold", "limit cycles"])
+def test_whether_machine_code_is_loaded_means_nothing(name, monkeypatch):
+    """To the last bit, though machine code that a map has loaded serves single thresholds too."""
+    pytest.importorskip("numba")
+    given = []
+    for is_loaded in (False, True):
+        for module in (needed, damping):
+            monkeypatch.setattr(module, "is_ready", lambda _, is_loaded=is_loaded: is_loaded)
+        forget()
+        given.append(CALLS[name]())
+    assert given[0] == given[1]
 
 
 @pytest.mark.parametrize("name", CALLS)
