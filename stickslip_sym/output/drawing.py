@@ -71,11 +71,16 @@ def styled(**more: Any) -> Any:
     return rc_context(_STYLE | more)
 
 
+def empty_figure(width: float, height: float) -> Any:
+    """Return a figure of a size in inches, without axes."""
+    from stickslip_sym.output.notebook_figure import NotebookFigure
+
+    return NotebookFigure(figsize=(width, height), layout="constrained")
+
+
 def new_figure(width: float, height: float, rows: int = 1, columns: int = 1, **layout: Any) -> tuple[Any, Any]:
     """Return a figure of a size in inches, and its array of axes."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), layout="constrained")
+    figure = empty_figure(width, height)
     return figure, figure.subplots(rows, columns, squeeze=False, **layout)
 
 

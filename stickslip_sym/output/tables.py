@@ -19,7 +19,9 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
         shown.add_column(name, overflow="fold")
     for row in rows:
         shown.add_row(*row)
-    console = Console(width=None if sys.stdout.isatty() else WIDTH, markup=False, emoji=False, highlight=False)
+    width = None if sys.stdout.isatty() else WIDTH
+    # In Jupyter Rich would show a box of its own, and an empty one, as what is printed is kept.
+    console = Console(width=width, markup=False, emoji=False, highlight=False, force_jupyter=False)
     with console.capture() as captured:
         console.print(shown)
     return "\n".join(line.rstrip() for line in captured.get().splitlines())

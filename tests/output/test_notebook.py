@@ -181,3 +181,10 @@ def test_notebook_finds_what_it_shows(name, kinds, results):
 def test_the_catalogue_has_a_table():
     _, text = read(ss.laws._repr_html_())
     assert all(name in text and law.source[:20] in text for name, law in ss.laws.items())
+
+
+def test_a_notebook_shows_a_figure_without_pyplot(results):
+    pytest.importorskip("matplotlib")
+    figure = results["map"].plot()
+    assert figure._repr_png_().startswith(b"\x89PNG")
+    assert pickle.loads(pickle.dumps(figure))._repr_png_()[:4] == b"\x89PNG"

@@ -87,3 +87,11 @@ def test_repeated_blocks_have_one_letter():
     assert shown.count("exp(-7*g_1)") == 1
     assert re.search(r"^  where\n  p =", shown, re.M)  # q is taken
     assert abbreviation.formula("c", N * MU - V) == f"  c = {printing.text(N * MU - V)}"
+
+
+def test_a_table_shows_nothing_by_itself_in_jupyter(monkeypatch):
+    monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
+    shown = []
+    monkeypatch.setattr("rich.jupyter.display", lambda *given: shown.append(given))
+    assert "mu_s" in tables.table(["name", "value"], [["mu_s", "0.5"]])
+    assert shown == []

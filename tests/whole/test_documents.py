@@ -6,6 +6,7 @@ import json
 import re
 import runpy
 import shlex
+import shutil
 import subprocess
 import tomllib
 from collections import Counter
@@ -159,6 +160,26 @@ def test_the_notebook_gives_what_it_keeps(monkeypatch):
         assert notebooks.text_of(now) == notebooks.text_of(kept)
         assert [*map(has_picture, now)] == [*map(has_picture, kept)]
     assert sum(has_picture(output) for cell in cells for output in cell["outputs"]) == 3
+
+
+@pytest.mark.thorough
+def test_the_notebook_gives_the_same_in_a_kernel(tmp_path):
+    """What Jupyter shows of a cell is what is kept of it: one text, or one picture."""
+    nbclient, nbformat = pytest.importorskip("nbclient"), pytest.importorskip("nbformat")
+    pytest.importorskip("ipykernel")
+    for name in ("notebook.ipynb", "disc.csv"):
+        shutil.copy(PACKAGE / "docs" / name, tmp_path)
+    kept = nbformat.read(tmp_path / "notebook.ipynb", as_version=4)
+    shown = nbformat.read(tmp_path / "notebook.ipynb", as_version=4)
+    where = {"metadata": {"path": str(tmp_path)}}
+    client = nbclient.NotebookClient(shown, timeout=300, coalesce_streams=True, resources=where)
+    client.execute()
+    for before, now in zip(notebooks.code_cells(kept), notebooks.code_cells(shown), strict=True):
+        kinds = [[output["output_type"] for output in cell["outputs"]] for cell in (before, now)]
+        assert kinds[0] == kinds[1]
+        assert [*map(has_picture, now["outputs"])] == [*map(has_picture, before["outputs"])]
+        if not any(map(has_picture, now["outputs"])):
+            assert notebooks.text_of(now["outputs"]) == notebooks.text_of(before["outputs"])
 
 
 def has_picture(output):

@@ -370,9 +370,7 @@ class Trajectory(TableResult):
 
     def _figure(self, since: float) -> "Figure":
         """Return the figure of three panels: x and v over the time, and v over x."""
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(8.4, 4.2), layout="constrained")
+        figure: Figure = drawing.empty_figure(8.4, 4.2)
         panels = figure.subplot_mosaic("xp;vp", width_ratios=(3, 2))
         panels["x"].sharex(panels["v"])
         for name, (across, up) in {"x": ("t", "x"), "v": ("t", "v"), "p": ("x", "v")}.items():

@@ -1,0 +1,17 @@
+"""Figures as this package makes them: without pyplot, which would tell a notebook how they are shown."""
+
+import io
+
+from matplotlib.figure import Figure
+
+_DOTS = 110
+"""An inch, on a screen: a panel is as wide as a notebook's text."""
+
+
+class NotebookFigure(Figure):
+    """A figure that a notebook shows, whether or not pyplot was imported."""
+
+    def _repr_png_(self) -> bytes:
+        stream = io.BytesIO()
+        self.savefig(stream, format="png", dpi=_DOTS)
+        return stream.getvalue()
