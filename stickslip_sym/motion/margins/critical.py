@@ -93,7 +93,8 @@ class Critical(QuantityResult, DataResult):
     sensitivity : mapping of str to float
         How the value changes with c and with everything else, by name.
     enclosure : Enclosure or None
-        With "proof": two values, at one of which the slip from P returns to the belt's speed and at the other not.
+        With "proof": two values, at one of which the slip that follows stick returns to
+        the belt's speed and at the other not.
     """
 
     reported = ("value", "unit", "method", "relative_error", "sensitivity")

@@ -455,8 +455,10 @@ def needed_ratio(
         raise system.unmeasured(system.w_max)
     place = f"at eta = {eta:g} and V = {system.V:g} m/s"
     if end == End.NEVER:
-        raise NoThreshold(f"the slip from P returns to the belt's speed for every damping, or for none, {place}")
+        raise NoThreshold(
+            f"the slip that follows stick returns to the belt's speed for every damping, or for none, {place}"
+        )
     raise NotConverged(
-        f"the slip from P cannot be integrated {place}: friction is too strong, or its law too steep, for the "
-        f"bound on the work; the damping ratio lies between {low:.10g} and {high:.10g}"
+        f"the slip that follows stick cannot be integrated {place}: friction is too strong, or its law too steep, "
+        f"for the bound on the work; the damping ratio lies between {low:.10g} and {high:.10g}"
     )

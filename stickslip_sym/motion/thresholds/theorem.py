@@ -44,9 +44,9 @@ class Theorem(DataResult):
     values : mapping of str to Rational
         V, N, m and k, and the law's parameters.
     low, high : fractions.Fraction
-        Dampings in kg/s at which the slip from P returns, and at which it does not.
+        Dampings in kg/s at which the slip that follows stick returns, and at which it does not.
     below, above : Transit
-        The slip from P at these.
+        The slip that follows stick, at these.
     undamped : Transit or None
         The slip at c = 0, where it was shown to return. Then all slips for c >= 0 lie inside it; otherwise the
         statement is for c >= `low` only.
@@ -75,7 +75,7 @@ class Theorem(DataResult):
         if self.undamped is not None:
             returns = f"for every c from 0 to {_decimal(self.low)} kg/s"
         misses = f"for no c of {_decimal(self.high)} kg/s or more"
-        return f"The slip that leaves P returns to the belt's speed {returns}, and {misses}."
+        return f"The slip that follows stick returns to the belt's speed {returns}, and {misses}."
 
     @property
     def proof(self) -> list[str]:

@@ -296,7 +296,7 @@ def pure_slip_damping(
     rtol: float = 1e-3,
     time_limit: float | None = None,
 ) -> Threshold[Any]:
-    """Return the pure-slip damping of a law at operating points: with less damping the slip from P comes back.
+    """Return the pure-slip damping of a law at operating points: with less of it the mass sticks again.
 
     Parameters
     ----------
@@ -335,7 +335,7 @@ def pure_slip_damping(
         For an unknown method, numbers that are missing or unusable, or a law that is not smooth, with "orbit"
         or "second_order".
     NoThreshold
-        If the slip from P returns for no damping, or for every one.
+        If the slip that follows stick returns to the belt's speed for no damping, or for every one.
     NotConverged
         If the error stays above `rtol`; the message holds the best value, and its error.
     OutOfTime
