@@ -18,6 +18,7 @@ from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.fitting.averaged import Averaged, ByLaw
 from stickslip_sym.model.fitting.result import Fit, Fits
 from stickslip_sym.model.laws import Catalogue
+from stickslip_sym.model.measured.blocks import Block
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.motion.maps.basins import BasinMap, Share
 from stickslip_sym.motion.maps.motions import MotionMap
@@ -41,6 +42,7 @@ __all__ = [
     "Averaged",
     "BasinMap",
     "BasinSweep",
+    "Block",
     "BoundLaw",
     "Budget",
     "ByLaw",

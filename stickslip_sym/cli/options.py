@@ -251,6 +251,10 @@ FILE_OF_MEASUREMENTS = [
         "--bins", metavar="N", type=int,
         help="Average the rows in so many bins of speed.",
     ),
+    option(
+        "--block", metavar="N", type=int, multiple=True,
+        help="Read this block only, of a file with several tables; repeatable.",
+    ),
     option("--keep-outliers", is_flag=True, help="Keep rows off a smooth curve, which are refused otherwise."),
 ]  # fmt: skip
 """How a file of measurements is read."""

@@ -146,7 +146,7 @@ def law_described(given: Given | Mapping[str, Any], text: str | None) -> ss.Fric
 def reading_of(given: Given | Mapping[str, Any]) -> dict[str, Any]:
     """Return how options say that a file of measurements is read, as arguments of `read_measurements`."""
     how = {name: given[name] for name in ("radius", "speeds", "leave_out", "keep_outliers", "bins")}
-    return {"columns": given["column"]} | how
+    return {"columns": given["column"], "block": given["block"] or None} | how
 
 
 def criteria_of(name: str) -> list[ss.Criterion]:

@@ -1,8 +1,11 @@
 """How the command line words what a message advises: with options, of the command that was given or of another."""
 
+import shlex
+from collections.abc import Mapping
+
 import click
 
-from stickslip_sym.core.remedies import AnySign, Argument, Call, Name, Remedy, Values
+from stickslip_sym.core.remedies import AnySign, Argument, Call, Name, Reading, Remedy, Values
 
 
 def in_options(remedy: Remedy, context: click.Context) -> str:
@@ -21,9 +24,26 @@ def in_options(remedy: Remedy, context: click.Context) -> str:
             return " ".join(f"-p {_pair(*entry)}" for entry in values.items())
         case AnySign(parameter):
             return f"write the formula with -{parameter}, and give a positive value"
+        case Reading(file, arguments):
+            return shlex.join(["stickslip", "read", file, *_options_of_reading(arguments)])
         case Call():
             return f"stickslip {remedy.command}"
     raise TypeError(f"{remedy!r} is worded nowhere")
+
+
+def _options_of_reading(arguments: Mapping[str, object]) -> list[str]:
+    """Return the options that read a file of measurements so: one for each column, and for each block."""
+    options = list[str]()
+    for name, value in arguments.items():
+        if isinstance(value, dict):
+            for quantity, column in value.items():
+                options += [_option(name.removesuffix("s")), f"{quantity}={column}"]
+        elif value is True:
+            options.append(_option(name))
+        else:
+            for each in value if isinstance(value, tuple) else (value,):
+                options += [_option(name), str(each)]
+    return options
 
 
 def _given(context: click.Context, name: str, value: str) -> str:

@@ -51,6 +51,19 @@ class AnySign(Remedy):
 
 
 @dataclass(frozen=True)
+class Reading(Remedy):
+    """The whole call that reads a file of measurements, with its arguments."""
+
+    file: str
+    arguments: Mapping[str, object]
+
+    @classmethod
+    def of(cls, file: str, **arguments: object) -> "Reading":
+        """Return the call that reads a file, whose name may be quoted already."""
+        return cls(file[1:-1] if file[:1] in ("'", '"') and file[-1:] == file[:1] else file, arguments)
+
+
+@dataclass(frozen=True)
 class Call(Remedy):
     """A function that does what was asked for, and the command that does."""
 
@@ -75,6 +88,9 @@ def in_python(remedy: Remedy) -> str:
             return f"law.bind({', '.join(shown)})"
         case AnySign(parameter):
             return f"declare it with Parameter({parameter!r}, positive=False)"
+        case Reading(file, arguments):
+            more = "".join(f", {name}={value!r}" for name, value in arguments.items())
+            return f"read_measurements({file!r}{more})"
         case Call(function):
             return function
         case Name(name):

@@ -1,7 +1,7 @@
 """`Measurements`: slip speeds, coefficients of friction and their standard deviations, from arrays or a file."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from fractions import Fraction
@@ -17,6 +17,7 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import Number, fraction, read_array, real, require_type
 from stickslip_sym.core.remedies import Argument
 from stickslip_sym.core.units import has_no_unit, without_unit
+from stickslip_sym.model.measured.blocks import Block, refuse_contradiction
 from stickslip_sym.model.measured.branches import Branches, branches_of
 from stickslip_sym.model.measured.heavy_tails import have_heavy_tails, huber_weights
 from stickslip_sym.model.measured.table import Table, read_table
@@ -78,9 +79,11 @@ class Measurements(Drawn, TableResult):
         in them; None where there are none.
     tails : ndarray of shape (n,) or None
         Where noise has heavy tails: Huber's weight of each row, a factor of its square in a sum of squares.
+    blocks : tuple of Block
+        The blocks of a file that has more than one table, read or not.
     """
 
-    reported = ("understood", "written", "source", "branches", "static_at_least")
+    reported = ("understood", "written", "source", "branches", "static_at_least", "blocks")
 
     v: FloatArray
     mu: FloatArray
@@ -94,6 +97,7 @@ class Measurements(Drawn, TableResult):
     branches: Branches | None = None
     static_at_least: float | None = None
     tails: FloatArray | None = None
+    blocks: tuple[Block, ...] = ()
 
     @classmethod
     def of(cls, v: ArrayLike, mu: ArrayLike, sigma: ArrayLike | None = None) -> "Measurements":
@@ -173,7 +177,8 @@ class Measurements(Drawn, TableResult):
         """Return what was read in lines, and the first rows as a table: its header and its cells."""
         rows = [[f"{value:.6g}" for value in row] for row in zip(*self.columns.values(), strict=True)]
         left = [["...", *[""] * (len(self.columns) - 1)]] if len(rows) > _SHOWN else []
-        said = "\n".join(filter(None, [self.understood, self.written, self.source]))
+        blocks = [f"{block}{'' if block.read else ', not read'}" for block in self.blocks]
+        said = "\n".join(filter(None, [self.understood, self.written, self.source, *blocks]))
         return said, (["v in m/s", "mu", "sigma"][: len(self.columns)], rows[:_SHOWN] + left)
 
     def _repr_html_(self) -> str:
@@ -301,6 +306,7 @@ def read_measurements(
     leave_out: bool = False,
     keep_outliers: bool = False,
     bins: int | None = None,
+    block: int | Iterable[int] | None = None,
 ) -> Measurements:
     r"""Return the friction measurements in a text file of columns, as instruments write them.
 
@@ -332,6 +338,9 @@ def read_measurements(
         Keep rows more than 6 robust standard deviations off a smooth curve.
     bins : int, optional
         Average the rows in so many bins of speed, as `Measurements.binned` does.
+    block : int or several, optional
+        The numbers, from 1, of the blocks to read in a file that holds several tables, as `Measurements.blocks`
+        lists them. All blocks of one header are read together unless they contradict each other.
 
     Returns
     -------
@@ -367,8 +376,11 @@ def read_measurements(
             f"speeds from {low:g} to {high:g} m/s are no range; give the smaller first, both not below 0"
         )
     path = Path(path)
-    table = read_table(path, columns or {}, track, leave_out=leave_out)
-    v, mu, sigma, direction, notes = _fold(table, table.radius or Fraction(1))
+    table = read_table(path, columns or {}, track, leave_out=leave_out, block=_chosen_blocks(block))
+    v, mu, sigma, direction, notes = _fold(table)
+    if len(set(table.origin)) > 1:
+        refuse_contradiction(table.name, v, mu, np.array(table.origin), table.blocks)
+        notes.append(f"{len(set(table.origin))} blocks together")
     order = np.argsort(v, kind="stable")
     order = order[(v[order] >= low) & (v[order] <= high)]
     if not len(order):
@@ -415,9 +427,20 @@ def read_measurements(
         source,
         table.written,
         static_at_least=static_at_least,
+        blocks=table.blocks,
     )
     read = read.in_branches(direction[order]).with_tails_weighed()
     return read if bins is None else read.binned(bins)
+
+
+def _chosen_blocks(block: int | Iterable[int] | None) -> tuple[int, ...]:
+    """Return the numbers of blocks that were chosen, none for all."""
+    if block is None:
+        return ()
+    numbers = (block,) if isinstance(block, int) else tuple(block)
+    if any(isinstance(number, bool) or not isinstance(number, int) for number in numbers):
+        raise InputError(f"block is the number of a block, from 1, or several; got {block!r}")
+    return numbers
 
 
 def read_radius(radius: Number) -> Fraction:
@@ -490,7 +513,7 @@ def _outliers(v: FloatArray, y: FloatArray) -> BoolArray:
     return np.asarray(np.where(i < _BESIDE, first, (y < low - slack) | (y > high + slack)) & ~far)
 
 
-def _fold(table: Table, radius: Fraction) -> tuple[FloatArray, FloatArray, FloatArray | None, IntArray, list[str]]:
+def _fold(table: Table) -> tuple[FloatArray, FloatArray, FloatArray | None, IntArray, list[str]]:
     """Return slip speeds in m/s, coefficients, standard deviations, directions, and what was done with signs."""
     friction, load = ("F_t", "F_n") if "F_t" in table.cells else ("mu", None)
     deviation = next((key for key in ("sigma_mu", "sigma_F_t") if key in table.cells), None)
@@ -505,7 +528,7 @@ def _fold(table: Table, radius: Fraction) -> tuple[FloatArray, FloatArray, Float
     mu = down * table.numbers(friction, load)
     rule = f"a coefficient of friction is below {_LARGEST_MU:g}"
     table.require(np.abs(mu) <= _LARGEST_MU, friction, rule, "with abs(mu) above 5")
-    v, mu = table.numbers("v", radius=radius), mu[np.abs(mu) <= _LARGEST_MU]
+    v, mu = table.numbers("v", radii=table.radii), mu[np.abs(mu) <= _LARGEST_MU]
     if (fast := np.abs(v) > _FASTEST).any() and not table.columns["v"].unit_text:
         row = int(np.argmax(fast))
         raise InputError(

@@ -4,7 +4,7 @@ import csv
 import math
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from decimal import Decimal, localcontext
@@ -18,9 +18,10 @@ import numpy as np
 from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.foreign import printable
-from stickslip_sym.core.remedies import Argument
+from stickslip_sym.core.remedies import Argument, Reading
+from stickslip_sym.model.measured.blocks import Block, label_of, varying
 from stickslip_sym.model.measured.columns import EXPECTED, Column, choose_columns, is_header, read_unit
-from stickslip_sym.model.measured.preamble import written_radius
+from stickslip_sym.model.measured.preamble import WrittenRadius, written_radius
 from stickslip_sym.model.measured.values import is_value, split_values
 from stickslip_sym.output.files import read_bytes
 
@@ -65,7 +66,9 @@ class Table:
     lines: list[int] = field(default_factory=list)
     cells: dict[str, list[str]] = field(default_factory=dict)
     faults: dict[str, list[int]] = field(default_factory=dict)
-    radius: Fraction | None = None  # of the track, in m
+    radii: list[Fraction] = field(default_factory=list)  # of the track, in m, for each row
+    origin: list[int] = field(default_factory=list)  # the number of each row's block
+    blocks: tuple[Block, ...] = ()  # of the file, if there is more than one
     said_of_radius: str = ""  # where it was read in the file
     without: dict[int, float] = field(default_factory=dict)  # lines of numbers left out, and their v, if known
 
@@ -73,16 +76,20 @@ class Table:
         """Return a column as it stands in the file, in double precision."""
         return np.array(self.cells[quantity], dtype=np.float64)
 
-    def numbers(self, quantity: str, per: str | None = None, radius: Fraction = Fraction(1)) -> FloatArray:
-        """Return a column in SI units, or its ratio to another, rounded but once."""
-        size = self.columns[quantity].size * radius / (self.columns[per].size if per else 1)
-        if size == 1 and per is None:
+    def numbers(
+        self, quantity: str, per: str | None = None, radii: Sequence[Fraction] | None = None
+    ) -> FloatArray:
+        """Return a column in SI units, or its ratio to another, rounded but once; times a radius for each row."""
+        size = self.columns[quantity].size / (self.columns[per].size if per else 1)
+        tracks = set(radii or [Fraction(1)])
+        if size == 1 and per is None and tracks == {Fraction(1)}:
             return self.floats(quantity)
         below = self.cells[per] if per else repeat("1", len(self.lines))
         with localcontext(prec=_PRECISION):
-            factor = Decimal(size.numerator) / size.denominator
-            pairs = zip(map(Decimal, self.cells[quantity]), map(Decimal, below), strict=True)
-            return np.array([float(above * factor / divisor) for above, divisor in pairs])
+            factors = {track: Decimal((size * track).numerator) / (size * track).denominator for track in tracks}
+            of_rows = [factors[track] for track in radii or repeat(Fraction(1), len(self.lines))]
+            rows = zip(map(Decimal, self.cells[quantity]), map(Decimal, below), of_rows, strict=True)
+            return np.array([float(above * factor / divisor) for above, divisor, factor in rows])
 
     def place(self, row: int, quantity: str) -> str:
         """Return the file, the line and the column of a number."""
@@ -141,7 +148,8 @@ class Table:
             stands_in = stands_for_none and quantity == "v"
             self.without[self.lines[row]] = math.nan if stands_in else float(self.cells["v"][row])
         rows = np.flatnonzero(keep).tolist()
-        self.lines = [self.lines[i] for i in rows]
+        self.lines, self.origin = ([column[i] for i in rows] for column in (self.lines, self.origin))
+        self.radii = [self.radii[i] for i in rows]
         self.cells = {name: [cells[i] for i in rows] for name, cells in self.cells.items()}
         if not rows:
             raise InputError(f"{self.name} has no row that is a measurement: {self.left_out}")
@@ -160,7 +168,30 @@ class _Line(NamedTuple):
     comment: bool
 
 
-def read_table(path: Path, chosen: Mapping[str, str | int], radius: Fraction | None, *, leave_out: bool) -> Table:
+class _Layout(NamedTuple):
+    """How a table is written: what parts its columns, the cells of its header, the header's line, and the rows."""
+
+    separator: str
+    header: list[str]
+    line: _Line | None
+    rows: list[_Line]
+
+
+class _Part(NamedTuple):
+    """A block of a file: the lines above its header, the layout, and the lines of its rows."""
+
+    above: list[_Line]
+    layout: _Layout
+
+
+def read_table(
+    path: Path,
+    chosen: Mapping[str, str | int],
+    radius: Fraction | None,
+    *,
+    leave_out: bool,
+    block: Collection[int] = (),
+) -> Table:
     """Return the columns of a text file that hold measurements, or refuse it with line and column."""
     name = repr(str(path))
     texts = printable(_text(path), lines=True).replace("\N{MINUS SIGN}", "-").splitlines()
@@ -171,27 +202,157 @@ def read_table(path: Path, chosen: Mapping[str, str | int], radius: Fraction | N
         _Line(number, _COMMENT.sub("", text, count=1), _COMMENT.match(text) is not None)
         for number, text in enumerate(texts, 1) if text.strip(SEPARATORS)
     ]  # fmt: skip
-    separator, header, where, rows = _layout_of_chosen(lines, name) if chosen else _layout(lines, name)
-    if len(rows) > MOST_ROWS:
+    parts = _parts(lines, _layout_of_chosen(lines, name) if chosen else _layout(lines, name), name)
+    if sum(len(part.layout.rows) for part in parts) > MOST_ROWS:
         raise InputError(f"{name} has over {MOST_ROWS} rows; average them to fewer")
-    header, cells = split_values(header, [(line.number, _cells(line.text, separator)) for line in rows])
-    copies = _copies(header, cells)
-    above = [(line.number, _cells(line.text, separator)) for line in lines if line.number < rows[0].number]
-    written = written_radius(above[-_LOOKED_AT:])
-    columns = choose_columns(
-        header, where, chosen if any(header) or chosen else _FIRST_TWO, radius, copies, written
-    )
+    numbers = _blocks_to_read(parts, block, name)
+    blocks, tables, written = list[Block](), list[Table](), None
+    for number, part in enumerate(parts, 1):
+        header, cells = split_values(
+            part.layout.header,
+            [(line.number, _cells(line.text, part.layout.separator)) for line in part.layout.rows],
+        )
+        if len(parts) > 1:
+            line = part.layout.line.number if part.layout.line is not None else part.layout.rows[0].number
+            label = label_of([above.text for above in part.above])
+            varies = varying(header, [row for _, row in cells])
+            blocks.append(Block(number, line, label, len(cells), varies, number in numbers))
+        above = [(line.number, _cells(line.text, part.layout.separator)) for line in part.above]
+        written = written_radius(above[-_LOOKED_AT:]) or written
+        if number in numbers:
+            how = _How(chosen, radius, written, leave_out)
+            tables.append(_table_of(part, header, cells, name, how, number))
+    table = _together(tables)
+    table.blocks = tuple(blocks)
+    return table
+
+
+class _How(NamedTuple):
+    """How a block is read: the chosen columns, the radius that was given and that in the file, and faulty rows."""
+
+    chosen: Mapping[str, str | int]
+    radius: Fraction | None
+    written: WrittenRadius | None
+    leave_out: bool
+
+
+def _table_of(part: _Part, header: list[str], cells: Sequence[_Row], name: str, how: _How, number: int) -> Table:
+    """Return the columns of a block that hold measurements."""
+    line, separator = part.layout.line, part.layout.separator
+    where = name if line is None else f"{name}, line {line.number}"
+    chosen = how.chosen if any(header) or how.chosen else _FIRST_TWO
+    columns = choose_columns(header, where, chosen, how.radius, _copies(header, cells), how.written)
     read = {column.number for column in columns.values()}
-    unread = [text for number, text in enumerate(header, 1) if number not in read and text]
-    table = Table(name, columns, unread, leave_out, radius=radius)
-    if radius is None and written is not None and columns["v"].turns:
-        table.radius, table.said_of_radius = written.size, f"radius {written.text} from line {written.line}"
+    unread = [text for place, text in enumerate(header, 1) if place not in read and text]
+    table = Table(name, columns, unread, how.leave_out)
+    track = Fraction(1) if how.radius is None else how.radius
+    if how.radius is None and how.written is not None and columns["v"].turns:
+        assert how.written.size is not None  # or the columns had been refused
+        track = how.written.size
+        table.said_of_radius = f"radius {how.written.text} from line {how.written.line}"
     _fill(table, cells, header, separator)
+    table.radii = [track] * len(table.lines)
+    table.origin = [number] * len(table.lines)
     for quantity in columns:
         good = ~_stand_ins(table.floats(quantity), table.cells[quantity])
         reason = "of a value that stands for none"
         table.require(good, quantity, "this stands for no value", reason, stands_for_none=True)
     return table
+
+
+def _together(tables: Sequence[Table]) -> Table:
+    """Return the rows of blocks with one header as those of one table."""
+    whole = tables[0]
+    said = [whole.said_of_radius]
+    for table in tables[1:]:
+        whole.lines += table.lines
+        whole.radii += table.radii
+        whole.origin += table.origin
+        whole.without |= table.without
+        said.append(table.said_of_radius)
+        for quantity, cells in table.cells.items():
+            whole.cells[quantity] += cells
+        for reason, lines in table.faults.items():
+            whole.faults.setdefault(reason, []).extend(lines)
+    whole.said_of_radius = ", ".join(dict.fromkeys(filter(None, said)))
+    return whole
+
+
+def _parts(lines: Sequence[_Line], layout: _Layout, name: str) -> list[_Part]:
+    """Return the blocks of a file whose first table is known: each later header begins another."""
+    first = lines.index(layout.line) if layout.line is not None else lines.index(layout.rows[0])
+    begins = [first]
+    if layout.line is not None:
+        begins += [
+            i for i in range(first + 1, len(lines) - 1)
+            if _is_later_header(lines[i], layout) and lines[i].number < layout.rows[-1].number
+        ]  # fmt: skip
+    parts, above = list[_Part](), list(lines[:first])
+    for begin, end in pairwise([*begins, len(lines)]):
+        own = layout
+        if begin != first:
+            try:
+                own = (
+                    _layout(lines[begin:], name)
+                    if is_header(_names(lines[begin].text, layout.separator))
+                    else (_layout_of_chosen(lines[begin:], name))
+                )
+            except InputError:
+                return [_Part(list(lines[:first]), layout)]  # no table: what there is of it is refused by its line
+        rows = [line for line in own.rows if line.number <= lines[end - 1].number]
+        if end < len(lines):
+            last = max((i for i, line in enumerate(rows) if _is_row(line, own)), default=-1)
+            following = rows[last + 1 :]
+            rows = rows[: last + 1]
+        else:
+            following = []
+        if rows:
+            parts.append(_Part(above, own._replace(rows=rows)))
+        above = following
+    return parts
+
+
+def _is_later_header(line: _Line, layout: _Layout) -> bool:
+    """Return whether a line is the header again, or that of another table."""
+    assert layout.line is not None
+    text = line.text.lstrip(SEPARATORS)
+    if not text or text[0].isdigit() or text[0] in "+-.":
+        return False
+    if line.text.strip() == layout.line.text.strip():
+        return True
+    cells = _names(line.text, layout.separator)
+    return not any(map(_is_number, cells)) and is_header(cells)
+
+
+def _is_row(line: _Line, layout: _Layout) -> bool:
+    """Return whether a line looks like a row of a table: as wide as its header, and mostly of numbers."""
+    cells = _cells(line.text, layout.separator)
+    filled = [is_value(cell) for cell in cells if cell]
+    return len(cells) >= len(layout.header) and 2 * sum(filled) > len(filled)
+
+
+def _blocks_to_read(parts: Sequence[_Part], block: Collection[int], name: str) -> set[int]:
+    """Return the numbers of blocks that are read: those that were chosen, or all, if they have one header."""
+    if block:
+        if unknown := [number for number in block if not 1 <= number <= len(parts)]:
+            said = f"blocks 1 to {len(parts)}" if len(parts) > 1 else "one block"
+            raise InputError(f"{name} has {said}, and no block {unknown[0]}")
+        return set(block)
+    kinds = dict[tuple[str, ...], list[int]]()
+    for number, part in enumerate(parts, 1):
+        kinds.setdefault(tuple(part.layout.header), []).append(number)
+    if len(kinds) > 1:
+        listed = "; ".join(
+            f"block{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers))}: "
+            f"{', '.join(filter(None, header))[:80]}"
+            for header, numbers in kinds.items()
+        )
+        first = min(kinds.values())
+        raise InputError(
+            f"{name} holds tables with different headers ({listed}); read those of one: ",
+            Reading.of(name, block=first[0] if len(first) == 1 else tuple(first)),
+        )
+    return {number for numbers in kinds.values() for number in numbers}
 
 
 def _text(path: Path) -> str:
@@ -249,7 +410,7 @@ def _with_units(names: Sequence[str], units: Sequence[str]) -> list[str]:
     return [f"{name} [{unit}]" if unit else name for name, unit in zip(names, plain, strict=True)]
 
 
-def _layout_of_chosen(lines: Sequence[_Line], name: str) -> tuple[str, list[str], str, list[_Line]]:
+def _layout_of_chosen(lines: Sequence[_Line], name: str) -> _Layout:
     """Return the same as `_layout` where the user chose columns: what parts the rows decides, not the title.
 
     The header is the last line above the first row that is as wide, with the units of a row below it.
@@ -273,14 +434,14 @@ def _layout_of_chosen(lines: Sequence[_Line], name: str) -> tuple[str, list[str]
     above = lines[: lines.index(rows[first])]
     wide = [(line, _names(line.text, mark)) for line in above if _as_wide(line.text, rows[first].text, mark)]
     if not wide:
-        return mark, [""] * count, name, rows[first:]
+        return _Layout(mark, [""] * count, None, rows[first:])
     line, header = wide[-1]
     if len(wide) > 1 and _is_of_units(header, len(wide[-2][1])):
         line, header = wide[-2][0], _with_units(wide[-2][1], header)
-    return mark, header, f"{name}, line {line.number}", rows[first:]
+    return _Layout(mark, header, line, rows[first:])
 
 
-def _layout(lines: Sequence[_Line], name: str) -> tuple[str, list[str], str, list[_Line]]:
+def _layout(lines: Sequence[_Line], name: str) -> _Layout:
     """Return what separates columns, the cells of the header, where it stands, and the rows.
 
     A header names a speed and friction, also in a comment, and has a row of numbers below it, where blanks part
@@ -306,7 +467,7 @@ def _layout(lines: Sequence[_Line], name: str) -> tuple[str, list[str], str, lis
                 first[mark] = _names(rows[start].text, mark) if start < len(rows) else []
             fits = len(first[mark]) == len(cells[mark]) if mark == " " else len(first[mark]) > 1
             if fits and any(map(is_value, first[mark])):
-                return mark, cells[mark], where, rows[start:]
+                return _Layout(mark, cells[mark], line, rows[start:])
         if named and not line.comment:
             raise InputError(
                 f"{where}: {line.text[:60]!r} names {len(cells[named[-1]])} columns, and line "
@@ -323,7 +484,7 @@ def _layout(lines: Sequence[_Line], name: str) -> tuple[str, list[str], str, lis
             if rowlike or any(map(_is_number, header)) or (below and len(first[mark]) != count):
                 break
             if count == 2 and line is rows[0]:
-                return mark, [""] * count, name, rows[start - 1 :]
+                return _Layout(mark, [""] * count, None, rows[start - 1 :])
             break
     if not rows:
         raise InputError(f"{name} has no points; write a line for each, like 0.1,0.35")
@@ -339,10 +500,9 @@ def _layout(lines: Sequence[_Line], name: str) -> tuple[str, list[str], str, lis
 def _likest_header(lines: Sequence[_Line], name: str) -> _Line | None:
     """Return the line that is above the rows and as wide, for a message; None where there is none."""
     try:
-        _, _, where, _ = _layout_of_chosen(lines, name)
+        return _layout_of_chosen(lines, name).line
     except InputError:
         return None
-    return next((line for line in lines if where == f"{name}, line {line.number}"), None)
 
 
 def _copies(header: Sequence[str], rows: Sequence[_Row]) -> set[int]:

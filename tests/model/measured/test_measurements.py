@@ -2,7 +2,6 @@
 
 import re
 from fractions import Fraction
-from itertools import product
 
 import numpy as np
 import pytest
@@ -274,11 +273,9 @@ def test_rows_with_faults_are_left_out_and_counted(tmp_path):
         assert f"1 {str(read).split('rows left out: 1 ')[1]}" in str(read)
     path = write(tmp_path, "\n".join(["v,mu", *rows, "0.55,0.9"]))
     assert len(ss.read_measurements(path, keep_outliers=True)) == 41
-    for header, leave_out in product(("v,mu", "v [mm/s],mu"), (True, False)):
-        path = write(tmp_path, "\n".join(["v,mu", *rows, "", "Run 2", header, *rows]))
-        with pytest.raises(
-            ss.InputError, match=rf"line 44: another header, '{re.escape(header)}', begins a second"
-        ):
+    for leave_out in (True, False):
+        path = write(tmp_path, "\n".join(["v,mu", *rows, "", "Run 2", "v [mm/s],mu", *rows]))
+        with pytest.raises(ss.InputError, match=r"different headers \(block 1: v, mu; block 2: v .mm/s., mu\)"):
             ss.read_measurements(path, leave_out=leave_out)
 
 
@@ -439,8 +436,8 @@ def test_groups_of_columns_with_copies_and_many_speeds_are_read(tmp_path):
         ss.read_measurements(write(tmp_path, traction(copied=False)))
     with pytest.raises(ss.InputError, match=r"beside .SRR .%.. this may be the mean speed"):
         ss.read_measurements(write(tmp_path, traction(names="A\tDisc Speed [mm/s]\tB\tC\tSRR (%)")))
-    with pytest.raises(ss.InputError, match="another header, 'Step Time"):
-        ss.read_measurements(write(tmp_path, f"{traction()}\n\nStep 3\n{traction()}"))
+    twice = ss.read_measurements(write(tmp_path, f"{traction()}\n\nStep 3\n{traction()}"))
+    assert twice.mu.tolist() == sorted(2 * [mu for _, mu in STEP], reverse=True)
 
 
 LOGGER = "Step, Time,DAQ.Fz (N),DAQ.Fx (N),DAQ.COF (),Rotary.Velocity (rpm),XYZ.X Position (mm),"
