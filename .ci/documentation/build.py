@@ -7,6 +7,7 @@ What is built needs no network: formulas are MathML, and the pictures are drawn 
 import base64
 import contextlib
 import importlib
+import inspect
 import json
 import re
 import shutil
@@ -15,6 +16,7 @@ from types import ModuleType
 
 import pdoc.doc
 import pdoc.render
+from pygments.formatters import HtmlFormatter
 
 import stickslip_sym as ss
 from stickslip_sym.output.page.render import formula
@@ -30,6 +32,18 @@ PAGES = {
     "paper_checks/README.md": "paper_checks", "CHANGELOG.md": "changelog", "CONTRIBUTING.md": "contributing",
 }  # fmt: skip
 REFERENCE = [f"stickslip_sym{part}" for part in ("", ".model.laws", ".criteria", ".criteria.quadrature")]
+PURPOSES = {
+    "A law and an oscillator": "FrictionLaw Parameter laws Oscillator symbols save load",
+    "Derive and prove": "derive Criterion criteria Status",
+    "Evaluate": "slope_average quadrature enclose tradeoff",
+    "Thresholds": "pure_slip_damping compare critical margins",
+    "Motions": "simulate classify regime stick_slip_cycle limit_cycles peak_velocity motion_map basin_map "
+    "basin_sweep Motion Outcome Phase",
+    "Measurements": "read_measurements fit",
+    "Decide, and hand on": "study export_latex export_code results",
+    "Errors": "StickSlipError InputError NoClosedForm NoThreshold NotConverged OutOfTime InputWarning",
+}
+"""Public names by what one wants."""
 DISPLAYED = re.compile(r"^\$\$(.+?)(?:\s*\\tag\{(\w+)\})?\$\$$", re.M)
 PAIR = re.compile(r'(<div class="pdoc-code codehilite">(?:(?!</div>).)*</div>)\s*(<p><img [^>]*></p>)', re.S)
 """Code, and the picture that it draws."""
@@ -78,8 +92,25 @@ def page(path: str, name: str, linked: dict[str, str]) -> pdoc.doc.Module:
 
     text = re.sub(r"\[([^]]+)\]\((?!https?:)([^)\s]+)\)", mended, text)
     if name == "index":
-        text += "\n## Reference\n\n" + "\n".join(f"- [{one}]({place})" for one, place in linked.items())
+        text += reference(linked)
     return pdoc.doc.Module(ModuleType(name, text))
+
+
+def reference(linked: dict[str, str]) -> str:
+    """Return the public names by purpose, each with its sentence, and the classes of what functions return."""
+    listed = [name for names in PURPOSES.values() for name in names.split()]
+    if sorted(listed) != sorted(ss.__all__):
+        raise SystemExit(f"not listed by purpose, or twice: {sorted(set(ss.__all__) ^ set(listed))}")
+    lines = ["", "## Reference", ""]
+    for purpose, names in PURPOSES.items():
+        lines += [f"### {purpose}", "", "| name | |", "| --- | --- |"]
+        for name in names.split():
+            place = f"stickslip_sym.html#{name}"
+            sentence = (inspect.getdoc(getattr(ss, name)) or "").partition("\n\n")[0].replace("\n", " ")
+            lines.append(f"| [`{name}`]({linked.get(f'stickslip_sym.{name}', place)}) | {sentence} |")
+        lines.append("")
+    returned = [f"[{name}]({place})" for name, place in linked.items() if name in ss.results.__all__]
+    return "\n".join([*lines, "### What they return", "", ", ".join(returned), ""])
 
 
 def linked_within(text: str) -> str:
@@ -120,7 +151,9 @@ def main() -> None:
     linked |= {one: f"{file[name]}#{one}" for name in shown if name not in REFERENCE for one in shown[name]}
     titles = {name: re.match(r"# (.+)", text_of(path))[1] for path, name in PAGES.items()}
     pdoc.render.configure(docformat="numpy", show_source=False, template_directory=HERE)
-    pdoc.render.env.globals |= {"documents": set(titles), "titles": titles | {"stickslip_sym": "Reference"}}
+    pages = titles | {"stickslip_sym": "Reference"}
+    dark = HtmlFormatter(style="github-dark").get_style_defs(".pdoc-code")
+    pdoc.render.env.globals |= {"documents": set(titles), "titles": pages, "code_in_the_dark": dark}
     modules = {name: page(path, name, linked) for path, name in PAGES.items()}
     for name, public in shown.items():
         module = importlib.import_module(name)

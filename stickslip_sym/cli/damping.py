@@ -9,7 +9,7 @@ import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.options import Given, file_option, option
 from stickslip_sym.cli.output import Json, echo_all, under_way
-from stickslip_sym.cli.reading import Point, points
+from stickslip_sym.cli.reading import points
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.files import write_text
 
@@ -52,9 +52,8 @@ def run(given: Given) -> None:
             contents.append({"operating_point": at, "rows": compared.rows})
             texts.append(f"{at}\n\n{compared}")
             if plot is not None:
-                _draw(
-                    plot, at, next(row.threshold for row in reversed(compared.rows) if row.threshold is not None)
-                )
+                with under_way("thresholds over the belt speed"):
+                    compared.plot(plot)
             continue
         with under_way("threshold"):
             threshold = ss.pure_slip_damping(at.law, **at.texts, method=method, rtol=rtol, time_limit=limit)
@@ -68,7 +67,7 @@ def run(given: Given) -> None:
         if script is not None:
             certificates += [theorem.certificate() for theorem in threshold.theorems]
         if plot is not None:
-            _draw(plot, at, threshold)
+            _draw(plot, threshold)
         texts.append("\n\n".join(map(str, filter(None, (at, text, threshold.budget, threshold.theorem)))))
     if script is not None:
         write_text(script, "\n\n".join(certificates))
@@ -85,13 +84,10 @@ def _left_out(given: Given, method: str | None) -> tuple[str, ...]:
     return ("c", "m", "k") if one_answer and stated == ["V", "N"] else ("c",)
 
 
-def _draw(path: Path, at: Point, threshold: Threshold[float]) -> None:
+def _draw(path: Path, threshold: Threshold[float]) -> None:
     from stickslip_sym.comparison.plane import figure_of
-    from stickslip_sym.core.uncertain import split
     from stickslip_sym.output.drawing import save
 
-    numbers = {name: split(text, name) for name, text in at.texts.items()}
-    point = {name: at.numbers[name] if error is None else error for name, (_, error) in numbers.items()}
     with under_way("thresholds over the belt speed"):
-        figure = figure_of(at.law, point, threshold)
+        figure = figure_of(threshold)
     save(figure, path)

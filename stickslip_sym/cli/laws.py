@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import click
 
 import stickslip_sym as ss
@@ -14,8 +12,6 @@ from stickslip_sym.cli.reading import criteria_of
 from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.model.operating_point import PAPER
 from stickslip_sym.output.tables import table
-
-_SIZE = 5.5, 3.6  # inches
 
 
 @command(
@@ -35,7 +31,7 @@ def run(given: Given) -> None:
     wanted = [] if name is None else [(laws[0], criterion) for criterion in criteria_of("all")]
     forms = {criterion.name: form for (_, criterion), form in zip(wanted, derived(wanted), strict=True)}
     if plot is not None:
-        _draw(plot, laws[0])
+        laws[0].typical().plot(plot, v_max=2 * float(PAPER["V"]))
     if given["json"]:
         echo_json("laws", laws=laws, **({"criteria": forms} if forms else {}))
     elif name is None:
@@ -60,13 +56,3 @@ def _typical(law: ss.FrictionLaw) -> str:
         f"{p.name} = {p.typical}{'' if p.unit in (None, '1') else f' {p.unit}'}" if p.typical else p.name
         for p in law.parameters.values()
     )
-
-
-def _draw(path: Path, law: ss.FrictionLaw) -> None:
-    from stickslip_sym.model.fitting.result import draw_law
-    from stickslip_sym.output.drawing import new_figure, save, styled
-
-    with styled():
-        figure, axes = new_figure(*_SIZE)
-        draw_law(axes[0, 0], law.typical(), 2 * float(PAPER["V"]), None, None, law.name or law.text)
-    save(figure, path)

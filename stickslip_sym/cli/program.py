@@ -136,8 +136,19 @@ def _failed(command: str | None, kind: str, message: str, code: int) -> int:
 def _explained(error: click.ClickException) -> str:
     """Return the message of a wrong command line as sentences, the last one where to look."""
     message, context = error.format_message(), getattr(error, "ctx", None)
+    if isinstance(error, click.NoSuchOption) and context is not None:
+        message = message.removesuffix(".") + _other_case(error.option_name, context.command)
     stop = "" if message.endswith(("?", ".")) else "."
     return f"{message}{stop} See: {context.command_path if context else 'stickslip'} --help"
+
+
+def _other_case(name: str, command: click.Command) -> str:
+    """Return '; did you mean -V, ...?' where an option differs from a wrong one by its case only."""
+    for one in command.params:
+        if isinstance(one, click.Option) and name.swapcase() in one.opts:
+            what = (one.help or "").partition(",")[0].rstrip(".").lower()
+            return f"; did you mean {name.swapcase()}, the {what.partition(' (')[0]}?"
+    return ""
 
 
 @contextmanager

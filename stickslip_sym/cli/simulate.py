@@ -1,6 +1,5 @@
 """``stickslip simulate``: the motion from an initial condition, its events, and how it ends."""
 
-import math
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -15,7 +14,6 @@ if TYPE_CHECKING:
     from stickslip_sym.motion.simulation.trajectory import Trajectory
 
 _MOST_ROWS = 40  # of the table; the rest is in the file that --csv writes
-_PERIODS = 10  # natural periods, the duration if none is given
 _LONGEST = 5.0  # seconds, to find where the motion leads
 
 
@@ -46,8 +44,7 @@ def run(given: Given) -> None:
     given.all_used()
     osc = ss.Oscillator(**at.numbers)
     warn_where_negative(at.law.kinetic, osc.V)
-    t_end = _PERIODS * 2 * math.pi / osc.omega if t_end is None else t_end
-    with under_way(f"motion up to {t_end:.4g} s"):
+    with under_way("motion" if t_end is None else f"motion up to {t_end:.4g} s"):
         motion = ss.simulate(at.law, osc, t_end=t_end, **initial, **how)
     end = None
     if motion.motion not in (ss.Motion.REST, ss.Motion.STICK_SLIP, ss.Motion.PURE_SLIP, ss.Motion.UNBOUNDED):

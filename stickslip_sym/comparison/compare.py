@@ -8,8 +8,9 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from pathlib import Path
 from time import process_time
-from typing import Any, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -29,7 +30,11 @@ from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, of
 from stickslip_sym.motion.thresholds.threshold import Threshold, threshold_at
 from stickslip_sym.output import markup
 from stickslip_sym.output.data import DataResult, TableResult, columns_of
+from stickslip_sym.output.drawing import save
 from stickslip_sym.output.tables import duration, table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Quantity: TypeAlias = float | str | UFloat
 """A quantity of an operating point in SI units, perhaps with a standard error."""
@@ -158,6 +163,33 @@ class Comparison(TableResult):
             "status": lambda row: row.text("status"),
             "time": lambda row: row.text("seconds"),
         }
+
+    def plot(self, path: str | Path | None = None) -> "Figure":
+        """Draw thresholds over the belt speed, with the last of the methods' that there is, and its point.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            A file to draw to: SVG, PNG or PDF, by its ending.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            If no method gave a threshold, matplotlib is not installed, or the file cannot be written.
+        """
+        from stickslip_sym.comparison.plane import figure_of
+
+        found = [row.threshold for row in self.rows if row.threshold is not None]
+        if not found:
+            raise InputError("no method gave a threshold to draw; the reasons are in the rows")
+        figure = figure_of(found[-1])
+        if path is not None:
+            save(figure, Path(path))
+        return figure
 
     def _table_columns(self) -> dict[str, list[Any]]:
         return columns_of(self.rows, "method", "setting", "value", "relative_error", "status", "seconds", "reason")

@@ -85,8 +85,11 @@ def draw_plane(
     ax.set_ylim(lowest - _BELOW * (highest - lowest), _HEIGHT * highest)
 
 
-def figure_of(law: FrictionLaw, point: Mapping[str, float | UFloat], threshold: Threshold[float]) -> "Figure":
+def figure_of(threshold: Threshold[float]) -> "Figure":
     """Return the plane at V, N, m and k, the expansion in it, with the threshold that was computed at V."""
+    points = threshold.points
+    law, numbers = points.law, {name: float(column[0]) for name, column in points.columns.items()}
+    point: dict[str, float | UFloat] = {**numbers, **points.uncertain}
     nominal = {name: getattr(value, "nominal_value", value) for name, value in point.items()}
     curves = plane(law, point, nominal["V"])
     rest = {name: nominal[name] for name in "Nmk"}

@@ -29,8 +29,9 @@ from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.criteria.criterion import catalogue
 from stickslip_sym.formula.closed_form import ClosedForm, derive
 from stickslip_sym.model.fitting.averaged import Averaged
-from stickslip_sym.model.fitting.result import Fit, Fits, band, draw_law
+from stickslip_sym.model.fitting.result import Fit, Fits
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.law_picture import band, draw_law
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.model.oscillator import Oscillator

@@ -67,6 +67,12 @@ def binary_fraction(number: float) -> Rational:
     return sp.Rational(*float(number).as_integer_ratio())
 
 
+_TURNS_A_MINUTE = {"rpm", "rev/min", "r/min", "1/min", "u/min"}
+_ROTATION = (
+    ": n turns a minute on a track of radius r are a slip speed of 2 pi r n/60, such as 0.094 m/s for 30 at 30 mm"
+)
+
+
 def _from_text(text: str, name: str) -> Fraction:
     text = in_si(text, name)
     parts = text.strip().split("/")
@@ -75,7 +81,10 @@ def _from_text(text: str, name: str) -> Fraction:
             return reduce(truediv, map(Fraction, parts))
     _refuse_error(text, name)
     if (unit := unknown_unit(text)) is not None:
-        raise InputError(Name(name), f" = {text.strip()[:60]!r} has the unit {unit!r}, which is not known here")
+        turning = _ROTATION if unit.casefold() in _TURNS_A_MINUTE else ""
+        raise InputError(
+            Name(name), f" = {text.strip()[:60]!r} has the unit {unit!r}, which is not known here{turning}"
+        )
     raise InputError(Name(name), f" = {text[:60]!r} is not a number; write it like 0.5, 5e-1 or 1/2")
 
 

@@ -16,7 +16,7 @@ from uncertainties.core import NegativeStdDev
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.units import in_si
 
-_WITH_ERROR = re.compile(r"\+/-|±|\(")
+_WITH_ERROR = re.compile(r"\+/?-|±|\(")
 _CORRELATION_DIGITS = 9  # of correlations that count as equal: files keep them to rounding
 _EXAMPLES = "write it like 0.50+/-0.02 or 0.50(2)"
 
@@ -24,7 +24,7 @@ _EXAMPLES = "write it like 0.50+/-0.02 or 0.50(2)"
 def split(value: Any, name: str) -> tuple[Any, UFloat | None]:
     """Return a number without its standard error, and with it; None where it has none.
 
-    Text with "+/-", "±" or brackets is read; its number is the decimal that it says. `name` is for the message.
+    Text with "+/-", "+-", "±" or brackets is read; its number is the decimal that it says. `name` is for messages.
     """
     number: Any
     value = in_si(value, name)
@@ -44,7 +44,7 @@ def _from_text(text: str, name: str) -> UFloat:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # of a standard error that is 0, which is none here
-            return ufloat_fromstr(text)
+            return ufloat_fromstr(text.replace("+-", "+/-"))
     except NegativeStdDev:
         raise InputError(f"{name} = {text[:60]!r} has a negative standard error; {_EXAMPLES}") from None
     except (ValueError, OverflowError):

@@ -3,7 +3,7 @@
 import copy
 from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
-from typing import Any, Self, SupportsFloat
+from typing import TYPE_CHECKING, Any, Self, SupportsFloat
 
 import sympy as sp
 from numpy.typing import ArrayLike
@@ -31,6 +31,12 @@ from stickslip_sym.model.measured.making import MadeOfMeasurements
 from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.model.terms import Term, terms_of
 from stickslip_sym.output.data import DataResult
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 class FrictionLaw(DescribedLaw, MadeOfMeasurements, DataResult):
@@ -331,6 +337,33 @@ class FrictionLaw(DescribedLaw, MadeOfMeasurements, DataResult):
     def rises(self) -> list[tuple[float, at_rest.Rising]]:
         """Return where each smooth piece of mu begins, and mu(v) - mu(0+) on it, as `BoundLaw.rises`."""
         return list(self.kinetic.rises)
+
+    def plot(self, path: "str | Path | None" = None, *, v_max: float = 1.0, ax: "Axes | None" = None) -> "Figure":
+        """Draw mu over the slip speed, with the 95 % band of values that carry standard errors.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            A file to draw to: SVG, PNG or PDF, by its ending.
+        v_max : float
+            The highest slip speed, in m/s; thresholds depend on those up to 2 V.
+        ax : matplotlib.axes.Axes, optional
+            Axes of a figure of your own.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            If a parameter has no value (`typical` gives each a usual one), `v_max` is not positive, matplotlib is
+            not installed, or the file cannot be written.
+        """
+        from stickslip_sym.model.law_picture import figure_of_law
+
+        self.require_values()
+        return figure_of_law(self, v_max, path, ax)
 
     # -- comparing ----------------------------------------------------------------------
 

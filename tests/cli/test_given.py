@@ -1,6 +1,7 @@
 """What a command is given: laws, values, files; what is refused, and in which words."""
 
 import re
+import shlex
 
 import pytest
 from commands import read_json
@@ -155,3 +156,25 @@ def test_nothing_is_overwritten_unless_asked(line, run, tmp_path):
     assert "add --overwrite to replace it" in err
     assert run(*words, "--overwrite")[0] == 0
     assert path.read_bytes() != POINTS.encode()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("damping exponential -v 0.5", "did you mean -V, the belt speed?"),
+        ("damping exponential -V '30 rpm' -N 9.81", "2 pi r n/60"),
+    ],
+)
+def test_a_near_miss_names_what_is_understood(words, said, run):
+    code, out, err = run(*shlex.split(words))
+    assert (code, out) == (2, "")
+    assert said in err
+
+
+def test_a_standard_error_is_read_as_people_write_it(run):
+    texts = [run("damping", "exponential", "-V", "0.5", "-N", "9.81", "-p", f"mu_s={text}")
+             for text in ("0.5+-0.02", "0.5+/-0.02", "0.50(2)")]  # fmt: skip
+    assert texts[0][0] == 0
+    assert "0.172" in texts[0][1]
+    assert len({out.replace("0.5+-0.02", "").replace("0.5+/-0.02", "").replace("0.50(2)", "")
+                for _, out, _ in texts}) == 1  # fmt: skip

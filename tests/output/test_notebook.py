@@ -188,3 +188,20 @@ def test_a_notebook_shows_a_figure_without_pyplot(results):
     figure = results["map"].plot()
     assert figure._repr_png_().startswith(b"\x89PNG")
     assert pickle.loads(pickle.dumps(figure))._repr_png_()[:4] == b"\x89PNG"
+
+
+def test_laws_and_comparisons_have_pictures(tmp_path):
+    pytest.importorskip("matplotlib")
+    law = ss.laws.exponential.typical(mu_s="0.50(2)")
+    (ax,) = law.plot(tmp_path / "law.svg", v_max=0.8).axes
+    assert ax.get_xlim() == (0, 0.8)
+    assert {"95 % band", "exponential"} <= {text.get_text() for text in ax.get_legend().get_texts()}
+    assert law.plot(ax=ax) is ax.figure
+    with pytest.raises(ss.InputError, match=r"give the highest one in m/s, as v_max=1\.0"):
+        law.plot(v_max=-1)
+    with pytest.raises(ss.InputError, match="alpha"):
+        ss.laws.exponential.plot()
+    compared = ss.compare(law, V=0.5, N=9.81, m=1, k=100, methods=["harmonic", "orbit"])
+    (ax,) = compared.plot(tmp_path / "c.svg").axes
+    assert "orbit at $V$ = 0.5 m/s" in {text.get_text() for text in ax.get_legend().get_texts()}
+    assert {path.name for path in tmp_path.iterdir()} == {"law.svg", "c.svg"}

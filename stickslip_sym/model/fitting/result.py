@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from scipy.special import ndtri, stdtrit
-from uncertainties import UFloat, correlated_values, covariance_matrix
+from uncertainties import UFloat, correlated_values
 
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, StickSlipError
@@ -23,6 +23,7 @@ from stickslip_sym.model.fitting.averaged import Averaged, ByLaw
 from stickslip_sym.model.fitting.least_squares import Problem
 from stickslip_sym.model.fitting.weights import RANKED, RATHER, speeds_that_count, weigh
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.law_picture import band, draw_law
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.output import markup
 from stickslip_sym.output.content import content
@@ -36,37 +37,6 @@ if TYPE_CHECKING:
 _USUAL = 0.95  # probability of an interval
 _SEARCHED = 64.0  # half widths by standard errors, within which the end of an interval is sought
 _NEAR_REST = 0.1  # of V: slip speeds below it are a part of 0 to 2 V that does not matter
-
-NORMAL = 1.96
-"""Standard errors on either side, 95 % of a normal distribution."""
-Band = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
-
-
-# -- the curve of a law with what its standard errors leave open ------------------------------------
-
-
-def band(law: FrictionLaw, v: FloatArray, quantile: float = NORMAL) -> tuple[FloatArray, FloatArray]:
-    """Return mu less and plus so many of its standard errors, which are those of the parameters to first order."""
-    mu, half = law.at_speeds(v), np.zeros(v.shape)
-    if law.uncertain:
-        covariance = np.array(covariance_matrix(list(law.uncertain.values())))
-        by = np.array([law.partial(name).at_speeds(v) for name in law.uncertain])
-        half = quantile * np.sqrt(np.einsum("in,ij,jn->n", by, covariance, by))
-    return mu - half, mu + half
-
-
-def draw_law(
-    ax: Any, law: FrictionLaw, top: float, measured: Measurements | None, band: Band | None, label: str
-) -> None:
-    """Draw mu up to a slip speed, with the 95 % band that a function of speeds gives, and what was measured."""
-    v = np.unique([*np.linspace(0, top, 300), *np.geomspace(1e-4, 1, 100) * top])[1:]
-    if measured is not None:
-        measured.draw_rows(ax, measured.mu)
-    if band is not None:
-        ax.fill_between(v, *band(v), color="#56B4E9", alpha=0.45, linewidth=0, label="95 % band")
-    ax.plot(v, law.at_speeds(v), color=BLUE, linewidth=1.6, label=label)
-    ax.legend(loc="best")
-    finish(ax, xlabel="slip speed $v$ (m/s)", ylabel=r"coefficient of friction $\mu$", xlim=(0, top))
 
 
 # -- fits -------------------------------------------------------------------------------------------

@@ -8,6 +8,7 @@ motions are followed up to P only: what comes after is read from the motion from
 
 from __future__ import annotations
 
+import math
 from functools import partial
 from typing import Any, Literal, TypeAlias, overload
 
@@ -26,13 +27,15 @@ from stickslip_sym.motion.simulation.reference import simulate_by_solve_ivp
 from stickslip_sym.motion.simulation.trajectory import Outcome, Phase, Stretch, Trajectories, Trajectory
 from stickslip_sym.motion.slip import Dimensionless, Slip
 
+_PERIODS = 10  # of free vibration, that a motion is followed for
+
 SimulationName: TypeAlias = Literal["events", "solve_ivp"]
 """How a motion is followed."""
 
 
 @overload
 def simulate(
-    law: FrictionLaw | str, osc: Oscillator, *, t_end: float, x0: float = ..., v0: float | None = ...,
+    law: FrictionLaw | str, osc: Oscillator, *, t_end: float | None = ..., x0: float = ..., v0: float | None = ...,
     rtol: float = ..., method: SimulationName = ...,
     max_steps: int = ..., time_limit: float | None = ..., workers: int = ...,
 ) -> Trajectory: ...  # fmt: skip
@@ -40,7 +43,8 @@ def simulate(
 
 @overload
 def simulate(
-    law: FrictionLaw | str, osc: Oscillator, *, t_end: float, x0: ArrayLike = ..., v0: ArrayLike | None = ...,
+    law: FrictionLaw | str, osc: Oscillator, *, t_end: float | None = ...,
+    x0: ArrayLike = ..., v0: ArrayLike | None = ...,
     rtol: float = ..., method: SimulationName = ...,
     max_steps: int = ..., time_limit: float | None = ..., workers: int = ...,
 ) -> Trajectory | Trajectories: ...  # fmt: skip
@@ -50,7 +54,7 @@ def simulate(
     law: FrictionLaw | str,
     osc: Oscillator,
     *,
-    t_end: float,
+    t_end: float | None = None,
     x0: ArrayLike = 0.0,
     v0: ArrayLike | None = None,
     rtol: float = 1e-10,
@@ -66,8 +70,8 @@ def simulate(
     law : FrictionLaw
         With all parameters bound.
     osc : Oscillator
-    t_end : float
-        Duration in s, positive.
+    t_end : float, optional
+        Duration in s, positive; ten natural periods, 20 pi sqrt(m/k), if not given.
     x0 : float or array
         Initial displacement in m, one or many.
     v0 : float or array, optional
@@ -107,7 +111,7 @@ def simulate(
     ('stick-slip', 8)
     """
     law, osc = as_law(law), as_oscillator(osc)
-    t_end = real("t_end", t_end)
+    t_end = _PERIODS * 2 * math.pi / osc.omega if t_end is None else real("t_end", t_end)
     if t_end <= 0:
         raise InputError(f"t_end = {t_end:g} must be positive")
     rtol = read_rtol(rtol)

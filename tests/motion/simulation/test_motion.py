@@ -105,3 +105,8 @@ def test_events_of_a_harmonic_slip_are_exact(static, rtol, error):
     # The mass stands still at w = 1, tan(tau) = 1/A.
     turn = osc.onset(jump) + osc.length * (math.hypot(1, A) - A)
     assert cycle.x_max == pytest.approx(turn, rel=1e-6)
+
+
+def test_ten_natural_periods_are_followed_by_default():
+    osc = ss.Oscillator(m=4.0, k=100.0, c=1.0, V=0.5, N=9.81)
+    assert ss.simulate(ss.laws.exponential.typical(), osc).t[-1] == pytest.approx(10 * 2 * np.pi / 5, rel=1e-12)
