@@ -18,14 +18,10 @@ from stickslip_sym.core.units import SIZES
 from stickslip_sym.model.measured.preamble import WrittenRadius
 
 EXPECTED = "v [m/s],mu or v [mm/s];F_t [N];F_n [N];sigma_mu"
-_ADVICE = (
-    "; choose columns, like ",
-    Argument("columns", {"mu": "COF", "v": "2 [mm/s]"}),
-    f", or write a header like {EXPECTED}",
-)
+"""Headers that name all that is needed."""
 KINDS = {
-    "v": ("speed", "rotation"), "mu": ("number",), "F_t": ("force",), "F_n": ("force",), "sigma_mu": ("number",),
-    "sigma_F_t": ("force",), "n": ("number",),
+    "v": ("speed", "rotation"), "mu": ("number",), "F_t": ("force", "torque"), "F_n": ("force",),
+    "sigma_mu": ("number",), "sigma_F_t": ("force", "torque"), "n": ("number",),
 }  # fmt: skip
 """Every quantity that is read, and what its unit may measure."""
 _FORCES = "F_t", "F_n", "sigma_F_t"
@@ -37,7 +33,7 @@ _EXAMPLES = {
 
 
 class Unit(NamedTuple):
-    """A unit: what it measures, one of `KINDS`, and its size in m/s, rad/s, N or 1."""
+    """A unit: what it measures, one of `KINDS`, and its size in m/s, rad/s, N, N m or 1."""
 
     kind: str
     size: Fraction
@@ -66,6 +62,10 @@ _ANGLES = {"rad": Fraction(1), "deg": _TURN / 360, "°": _TURN / 360}
 _ANGLES |= dict.fromkeys(("rev", "r", "U", "1", "turn", ""), _TURN)
 _POWER_OF_TEN = re.compile(r"(?:10(?:\^|\*\*)?|1[eE])(?P<power>[+-]\d\d?)[ *·]*(?P<unit>[^\W\d].*)")  # 10^-3 m/s
 _SUPERSCRIPT = re.compile("[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+")
+_TORQUE = re.compile(r"(?P<force>[^\W\d]+?)[ .·*]?(?P<length>m|cm|mm|in|ft)")  # N m, mNm, lbf ft
+_SCALED = re.compile(
+    r"(?P<size>\d+\.?\d*(?:[eE][+-]?\d{1,3})?)\s*(?P<unit>[^\W\d].*)"
+)  # 50 N: of one in the column
 _INVERSE = re.compile(r"[ *.·]?(\w+?)(?:\^|\*\*)?[-−]1$")
 
 
@@ -86,6 +86,9 @@ def read_unit(text: str) -> Unit | None:
     known = _UNITS.get(text)
     if known is not None:
         return None if known.kind in ("length", "time", "mass") else known
+    if torque := _TORQUE.fullmatch(text):
+        force, arm = _UNITS.get(torque["force"]), _UNITS[torque["length"]]
+        return Unit("torque", force.size * arm.size) if force is not None and force.kind == "force" else None
     above, _, below = map(str.strip, (text if "/" in text else _INVERSE.sub(r"/\1", text)).partition("/"))
     length, time = _UNITS.get(above), _UNITS.get(below)
     if time is None or time.kind != "time":
@@ -106,6 +109,7 @@ _WORDS: dict[str, tuple[str, ...]] = {
     r"reib(ungs)?koeffizient|reibwert|reibungszahl": ("mu",),
     r"f(t|f|r|x|y|fric|friction|tan|tangential)|reib(ungs)?kraft": ("F_t",),
     r"(friction|frictional|tangential|lateral|shear|traction)(force|load)": ("F_t",),
+    r"(friction|frictional|reib|dreh|joint|motor|axis)?(torque|moment)|tau": ("F_t",),
     r"f(n|z|normal)|forcenormal|(normal|contact)force|(normal|applied)?load|normalkraft|last": ("F_n",),
     r"friction|reibung": ("mu", "F_t"),
     rf"(s|u|d|delta|{_SPREAD})(mu|cof)|(mu|cof)({_SPREAD})": ("sigma_mu",),
@@ -121,6 +125,7 @@ _GREEK = str.maketrans({"\N{MICRO SIGN}": " mu ", "μ": " mu ", "σ": " sigma "}
 _QUOTIENT = re.compile(r"(?<=\w)\s*[=(\[]\s*F_?[a-z]+\s*/\s*F_?[a-z]+\s*[)\]]?", re.IGNORECASE)  # COF (Fx/Fz)
 _RPM = re.compile(r"[\s_,(\[/]*\brpm\b[\s)\]]*", re.IGNORECASE)
 _ROLLING = re.compile(r"srr|slide(to)?roll(ing)?(ratio)?|sliproll(ratio)?|sliptorollratio", re.IGNORECASE)
+_OF_TORQUE = re.compile("torque|moment|tau", re.IGNORECASE)
 _OF_SLIP = re.compile("sli[dp]|rel|diff", re.IGNORECASE)
 _MODULE = re.compile(r"^[^\W\d]\w*\.(?=[^\W\d])")  # of a program, before the name of its column: DAQ.COF
 _BREAKS = re.compile(r"[\s_\-.:,/|(){}\\$\"']+")
@@ -169,6 +174,8 @@ class Column:
     meanings: tuple[str, ...]
     unit_text: str = ""
     number: int = 0
+    chosen: bool = False  # by the user, who may give a unit times a number
+    value: str = ""  # of all rows, where the user gave one and no column
 
     @classmethod
     def read(cls, text: str, number: int = 0) -> "Column":
@@ -191,12 +198,23 @@ class Column:
     @property
     def unit(self) -> Unit | None:
         """The unit; None where none is written, or one that is not known."""
-        return _WEIGHTS[self.unit_text] if self.is_mass else read_unit(self.unit_text)
+        if self.is_mass:
+            return _WEIGHTS[self.unit_text]
+        if self.chosen and (scaled := _SCALED.fullmatch(self.unit_text)) and (unit := read_unit(scaled["unit"])):
+            return Unit(unit.kind, unit.size * Fraction(scaled["size"]))
+        return read_unit(self.unit_text)
 
     @property
     def turns(self) -> bool:
         """Whether its unit is that of a rotational speed."""
         return self.unit is not None and self.unit.kind == "rotation"
+
+    @property
+    def is_torque(self) -> bool:
+        """Whether it holds a torque, which is a friction force times a radius."""
+        if self.unit is not None:
+            return self.unit.kind == "torque"
+        return not self.unit_text and bool(_OF_TORQUE.search(self.name)) and "F_t" in self.meanings
 
     @property
     def is_mass(self) -> bool:
@@ -244,7 +262,9 @@ def choose_columns(
         if "mu" in chosen:
             raise InputError(f"mu and {forces[0]} are chosen; choose mu, or the forces that it is the ratio of")
         headers = [header.without("mu") for header in headers]
-    columns: dict[str, Column] = {}
+    if any({"mu", "F_t"} & {*header.possible} and not header.is_torque for header in headers):
+        headers = [header.without("F_t") if header.is_torque else header for header in headers]
+    columns, faults = dict[str, Column](), list[str]()
     rolling = next((header for header in headers if _ROLLING.fullmatch(_BREAKS.sub("", header.name))), None)
     has_mu = any(header.meanings == ("mu",) for header in headers)
     for header in headers:
@@ -261,11 +281,14 @@ def choose_columns(
                     f"{Argument('columns', {'v': column.number})}"
                 )
             if fault:
-                raise InputError(f"{where}, column {column.number}, {_quoted(column.text)}: {fault}", *_ADVICE)
-            columns[column.possible[0]] = column
+                faults.append(f"column {column.number}, {_quoted(column.text)}: {fault}")
+            columns.setdefault((column.possible or meanings)[0], column)
     if fault := _fault_of_all(columns, radius):
         known = [f"{_quoted(h.text)} as {' or '.join(h.meanings) or 'nothing'}" for h in headers if h.text]
-        raise InputError(f"{where}: {fault}; understood: {', '.join(known)[:300]}", *_ADVICE)
+        faults.append(f"{fault}; understood: {', '.join(known)[:300]}")
+    if faults:
+        before = ", " if faults[0].startswith("column") else ": "
+        raise InputError(f"{where}{before}{'; '.join(faults)}")
     return {quantity: columns[quantity] for quantity in KINDS if quantity in columns}
 
 
@@ -304,8 +327,13 @@ def _chosen(
         if len(named) == 1:
             others = [header.without(quantity) for header in headers]
             unit_text = unit_text or named[0].unit_text
-            others[named[0].number - 1] = replace(named[0], meanings=(quantity,), unit_text=unit_text)
+            column = replace(named[0], meanings=(quantity,), unit_text=unit_text, chosen=True)
+            others[others.index(named[0].without(quantity))] = column
             return others
+    if quantity == "F_n" and (value := _SCALED.fullmatch(text)):
+        force = Column(text, text, ("F_n",), value["unit"].strip(), chosen=True, value=value["size"])
+        if force.unit is not None and force.unit.kind == "force":
+            return [*(header.without("F_n") for header in headers), force]
     known = ", ".join(_quoted(header.text) for header in headers)[:200]
     raise InputError(
         f"{where}: {len(named) or 'no'} columns are {_quoted(name)}; it has {known}; give the name of one, or its "
@@ -323,8 +351,12 @@ def _fault(
         return f"{_quoted(column.unit_text)} is no unit {'' if unit else 'known here '}{example}"
     if "v" in possible and unit is None and column.text.strip("\"' ") not in ("v", ""):  # V may be volts
         return "a speed without a unit; write v [m/s], or v [mm/s], whichever it is"
-    if column.turns and radius is None and (written is None or written.size is None):
+    if column.is_torque and column.unit is None:
+        return "a torque without a unit; write torque [N m]"
+    if (column.turns or column.is_torque) and radius is None and (written is None or written.size is None):
         need = f"{column.unit_text} is a rotational speed; give the radius of the track"
+        if column.is_torque:
+            need = f"{column.unit_text} is a torque; give the radius at which friction acts"
         if written is None:
             return f"{need} in m, like {Argument('radius', 0.03)}"
         length = f"{written.text} mm" if written.text[-1].isdigit() else written.text
@@ -346,16 +378,17 @@ def _fault(
 def _fault_of_all(columns: Mapping[str, Column], radius: Fraction | None) -> str:
     """Return which quantity a table lacks, or which of its columns do not go together."""
     by_force = "mu" not in columns
-    if "v" not in columns:
-        return "no column is the slip speed"
+    missing = ["no column is the slip speed"] * ("v" not in columns)
     if by_force and not {"F_t", "F_n"} <= columns.keys():
-        return "no column is F_n" if "F_t" in columns else "no column is mu, or F_t and F_n"
+        missing.append("no column is F_n" if "F_t" in columns else "no column is mu, or F_t and F_n")
+    if missing:
+        return " and ".join(missing)
     forces = [columns[name] for name in ("F_t", "F_n", "sigma_F_t") if by_force and name in columns]
     if len({column.unit is None for column in forces}) > 1:
         return "one force has a unit and another none; write those of all, like F_t [N], F_n [N], sigma_F_t [N]"
     if {"sigma_mu", "sigma_F_t"} <= columns.keys():
         return "there are sigma of mu and of F_t; leave one out"
-    if radius is not None and not columns["v"].turns:
+    if radius is not None and not (columns["v"].turns or any(column.is_torque for column in columns.values())):
         return f"radius = {float(radius):g} m is for a rotational speed; here v is a speed already"
     return ""
 

@@ -528,7 +528,7 @@ def _fold(table: Table) -> tuple[FloatArray, FloatArray, FloatArray | None, IntA
     mu = down * table.numbers(friction, load)
     rule = f"a coefficient of friction is below {_LARGEST_MU:g}"
     table.require(np.abs(mu) <= _LARGEST_MU, friction, rule, "with abs(mu) above 5")
-    v, mu = table.numbers("v", radii=table.radii), mu[np.abs(mu) <= _LARGEST_MU]
+    v, mu = table.numbers("v"), mu[np.abs(mu) <= _LARGEST_MU]
     if (fast := np.abs(v) > _FASTEST).any() and not table.columns["v"].unit_text:
         row = int(np.argmax(fast))
         raise InputError(

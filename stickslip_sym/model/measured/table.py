@@ -18,10 +18,11 @@ import numpy as np
 from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.foreign import printable
-from stickslip_sym.core.remedies import Argument, Reading
+from stickslip_sym.core.remedies import Argument, Reading, Remedy
 from stickslip_sym.model.measured.blocks import Block, label_of, varying
 from stickslip_sym.model.measured.columns import EXPECTED, Column, choose_columns, is_header, read_unit
 from stickslip_sym.model.measured.preamble import WrittenRadius, written_radius
+from stickslip_sym.model.measured.proposals import proposed
 from stickslip_sym.model.measured.values import is_value, split_values
 from stickslip_sym.output.files import read_bytes
 
@@ -76,18 +77,22 @@ class Table:
         """Return a column as it stands in the file, in double precision."""
         return np.array(self.cells[quantity], dtype=np.float64)
 
-    def numbers(
-        self, quantity: str, per: str | None = None, radii: Sequence[Fraction] | None = None
-    ) -> FloatArray:
-        """Return a column in SI units, or its ratio to another, rounded but once; times a radius for each row."""
-        size = self.columns[quantity].size / (self.columns[per].size if per else 1)
-        tracks = set(radii or [Fraction(1)])
-        if size == 1 and per is None and tracks == {Fraction(1)}:
+    def numbers(self, quantity: str, per: str | None = None) -> FloatArray:
+        """Return a column in SI units, or its ratio to another, rounded but once.
+
+        What turns is multiplied by the radius of the track, and a torque is divided by it.
+        """
+        column = self.columns[quantity]
+        size = column.size / (self.columns[per].size if per else 1)
+        power = 1 if column.turns else -1 if column.is_torque else 0
+        tracks = self.radii if power else [Fraction(1)] * len(self.lines)
+        if size == 1 and per is None and not power:
             return self.floats(quantity)
         below = self.cells[per] if per else repeat("1", len(self.lines))
         with localcontext(prec=_PRECISION):
-            factors = {track: Decimal((size * track).numerator) / (size * track).denominator for track in tracks}
-            of_rows = [factors[track] for track in radii or repeat(Fraction(1), len(self.lines))]
+            sizes = {track: size * track**power for track in set(tracks)}
+            factors = {track: Decimal(whole.numerator) / whole.denominator for track, whole in sizes.items()}
+            of_rows = map(factors.__getitem__, tracks)
             rows = zip(map(Decimal, self.cells[quantity]), map(Decimal, below), of_rows, strict=True)
             return np.array([float(above * factor / divisor) for above, divisor, factor in rows])
 
@@ -220,7 +225,7 @@ def read_table(
         above = [(line.number, _cells(line.text, part.layout.separator)) for line in part.above]
         written = written_radius(above[-_LOOKED_AT:]) or written
         if number in numbers:
-            how = _How(chosen, radius, written, leave_out)
+            how = _How(chosen, radius, written, leave_out, number if block else None)
             tables.append(_table_of(part, header, cells, name, how, number))
     table = _together(tables)
     table.blocks = tuple(blocks)
@@ -234,6 +239,18 @@ class _How(NamedTuple):
     radius: Fraction | None
     written: WrittenRadius | None
     leave_out: bool
+    block: int | None = None  # the number of the block, where there are several
+
+
+def _advice(
+    name: str, header: Sequence[str], cells: Sequence[_Row], how: _How, block: int | None = None
+) -> tuple[str, *tuple[Remedy, ...]]:
+    """Return the call that would read a table if its columns are what they are likely to be."""
+    rows = [row for _, row in cells[:_LOOKED_AT]]
+    call = proposed(name, header, rows, how.chosen, how.radius, how.written, block)
+    if call is None:
+        return (f"; write a header like {EXPECTED}",)
+    return "; if the columns and units are these, read it by: ", call
 
 
 def _table_of(part: _Part, header: list[str], cells: Sequence[_Row], name: str, how: _How, number: int) -> Table:
@@ -241,12 +258,15 @@ def _table_of(part: _Part, header: list[str], cells: Sequence[_Row], name: str, 
     line, separator = part.layout.line, part.layout.separator
     where = name if line is None else f"{name}, line {line.number}"
     chosen = how.chosen if any(header) or how.chosen else _FIRST_TWO
-    columns = choose_columns(header, where, chosen, how.radius, _copies(header, cells), how.written)
+    try:
+        columns = choose_columns(header, where, chosen, how.radius, _copies(header, cells), how.written)
+    except InputError as fault:
+        raise InputError(fault, *_advice(name, header, cells, how, how.block)) from None
     read = {column.number for column in columns.values()}
     unread = [text for place, text in enumerate(header, 1) if place not in read and text]
     table = Table(name, columns, unread, how.leave_out)
     track = Fraction(1) if how.radius is None else how.radius
-    if how.radius is None and how.written is not None and columns["v"].turns:
+    if how.radius is None and how.written is not None and any(c.turns or c.is_torque for c in columns.values()):
         assert how.written.size is not None  # or the columns had been refused
         track = how.written.size
         table.said_of_radius = f"radius {how.written.text} from line {how.written.line}"
@@ -488,19 +508,23 @@ def _layout(lines: Sequence[_Line], name: str) -> _Layout:
             break
     if not rows:
         raise InputError(f"{name} has no points; write a line for each, like 0.1,0.35")
-    likest = _likest_header(lines, name) or rows[0]
+    likest = _likest_layout(lines, name)
+    got = rows[0] if likest is None or likest.line is None else likest.line
+    advice: tuple[str | Remedy, ...] = ("; number the columns, like ", Argument("columns", {"v": 1, "mu": 3}))
+    if likest is not None:
+        parted = [(line.number, _cells(line.text, likest.separator)) for line in likest.rows[:_LOOKED_AT]]
+        advice = _advice(name, likest.header, parted, _How({}, None, None, leave_out=False))
     raise InputError(
-        f"{name}, line {likest.number}: got {likest.text[:60]!r}; a table begins with a header that names the "
-        f"slip speed and friction, with units in brackets, like {EXPECTED}, or with its first point; number the "
-        "columns of one without names, like ",
-        Argument("columns", {"v": 1, "mu": 3}),
+        f"{name}, line {got.number}: got {got.text[:60]!r}; a table begins with a header that names the slip "
+        f"speed and friction, with units in brackets, like {EXPECTED}, or with its first point",
+        *advice,
     )
 
 
-def _likest_header(lines: Sequence[_Line], name: str) -> _Line | None:
-    """Return the line that is above the rows and as wide, for a message; None where there is none."""
+def _likest_layout(lines: Sequence[_Line], name: str) -> _Layout | None:
+    """Return how a table without a header that is understood is likely written; None where there are no rows."""
     try:
-        return _layout_of_chosen(lines, name).line
+        return _layout_of_chosen(lines, name)
     except InputError:
         return None
 
@@ -522,7 +546,7 @@ def _fill(table: Table, rows: Sequence[_Row], header: list[str], separator: str)
     """Take the cells that are read of all rows, each of which has as many columns as the header."""
     count = len(header)
     table.written = f"columns parted by {_PARTED[separator]}"
-    read = {column.number - 1: quantity for quantity, column in table.columns.items()}
+    read = {column.number - 1: quantity for quantity, column in table.columns.items() if not column.value}
     if separator == ",":  # a comma in a cell is one in quotes
         rows = _without_thousands(rows, read)
     sign = _decimal_sign([row[i] for _, row in rows for i in read if i < len(row)], table.name)
@@ -562,6 +586,10 @@ def _fill(table: Table, rows: Sequence[_Row], header: list[str], separator: str)
             v = table.columns["v"].number - 1
             is_known = v < len(row) and _NUMBERS[sign].fullmatch(row[v])
             table.without[line] = float(row[v].replace(sign, ".")) if is_known else math.nan
+
+    for quantity, known in table.columns.items():
+        if known.value:
+            table.cells[quantity] = [known.value] * len(table.lines)
 
 
 def _refuse_second_table(table: Table, rows: Sequence[_Row], separator: str) -> None:

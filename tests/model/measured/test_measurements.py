@@ -521,7 +521,11 @@ def test_columns_are_named_by_the_user(tmp_path):
     ranged = ss.read_measurements(unnamed, columns=numbered, speeds=(0.15, "0.3"))
     assert (ranged.mu.tolist(), "2 of 3 from 0.15 to 0.3 m/s" in str(ranged)) == ([0.4, 0.3], True)
     for file, change, message in (
-        (path, {}, r"line 1: got 'Rotation .rpm..*; a table begins with a header that names the slip speed"),
+        (
+            path,
+            {},
+            r"line 1, column 1, 'Rotation .rpm.': .* give the radius .*, 'Torque .Nm.': .*; no column is F_n",
+        ),
         (path, {"columns": both}, r"rpm is a rotational speed; give the radius.*radius=0.03"),
         (unnamed, {"columns": 3}, "columns is a dict like .*, got int: 3"),
         (unnamed, {"columns": {"x": 1}}, "a column holds v, mu"),
@@ -610,9 +614,9 @@ REFUSED = {
     "V1 [m/s],V2 [m/s],mu\n1,0.5,2\n": "column 2, 'V2 .m/s.': column 1, 'V1 .m/s.', is v too",
     "v [m/s],Fx [N],Fy [N],Fz [N]\n1,2,3,4\n": "column 2, 'Fx .N.', is F_t too; give columns={'F_t': 2} or",
     "v [m/s],mu,sd [%]\n1,2,3\n": "column 3, 'sd .%.': this may be in per cent of each mu, or of 1",
-    "v,friction\n1,2\n": "column 2, 'friction': this may be mu or F_t; choose columns, like columns={'mu': ",
+    "v,friction\n1,2\n": "column 2, 'friction': this may be mu or F_t; .*, read it by: read_measurements",
     FORCES.replace("\n", ",std\n") + "1,2,3,4\n": "'std': this may be sigma_mu or sigma_F_t",
-    "v,F_t [N]\n1,2\n": "line 1: no column is F_n; understood: 'v' as v, 'F_t .N.' as F_t; choose columns",
+    "v,F_t [N]\n1,2\n": "line 1: no column is F_n; understood: 'v' as v, 'F_t .N.' as F_t; .*, 'F_n': '10 N'}",
     "v,F_t [N],F_n [N],sigma_F_t\n1,2,3,4\n": "write those of all, like F_t .N., F_n .N., sigma_F_t .N.",
     "v,F_t [N],F_n [N],sigma_F_t [N],sigma_mu\n1,2,3,4,5\n": "sigma of mu and of F_t",
     "rpm,mu\n1,2\n": "rpm is a rotational speed; give the radius of the track in m, like radius=0.03",
