@@ -33,7 +33,9 @@ _CHECKER = Path(__file__).with_name("checker.py").read_text(encoding="utf-8")
 CHECKER = _CHECKER[_CHECKER.index("# == CHECKER") :]
 """The text that ends every page, but for its last line."""
 _TOP_LEVEL = re.findall(r"^(?:def |class )?(\w+)", CHECKER, re.MULTILINE)
-_OWN = " ".join(["V N n v s mu w c terms law claims claim sp mpmath random Symbol Rational Pow pi", *_TOP_LEVEL])
+_OWN = " ".join(
+    ["V N n v s mu w c terms law claims claim sp mpmath itertools random Symbol Rational Pow pi", *_TOP_LEVEL]
+)
 _NUMBERED = r"(g|A|y|parts|functions|roots|slack)\d\w*"
 _KINDS = ("positive", "nonnegative", "real")
 _VERSIONS = "It needs nothing but Python 3.11, SymPy 1.13 and its mpmath 1.3, or later ones"

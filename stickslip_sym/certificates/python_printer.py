@@ -100,8 +100,10 @@ def imports(body: str) -> str:
     made |= {node.arg for node in ast.walk(tree) if isinstance(node, ast.arg)}
     used = {node.id for node in names} - made
     wanted = sorted((name for name in used if hasattr(sp, name)), key=lambda name: (name.islower(), name.lower()))
-    modules = [f"import {name}\n" for name in ("random", "mpmath") if name in used]
+    standard = "".join(f"import {name}\n" for name in ("itertools", "random") if name in used)
+    standard += "\n" * bool(standard)
+    others = "import mpmath\n" * ("mpmath" in used)
     functions = f"from sympy import {', '.join(wanted)}"
     if len(functions) > WIDTH:
         functions = "\n".join(["from sympy import (", *(f"    {name}," for name in wanted), ")"])
-    return "\n".join(["", *modules]) + f"import sympy as sp\n{functions}\n"
+    return f"\n{standard}{others}import sympy as sp\n{functions}\n"

@@ -25,6 +25,7 @@ _LONGEST = 4000  # characters of a formula on the screen
 @options.command(
     options.AT, options.criterion("all"),
     option("--steps", is_flag=True, help="Print every step of the derivation."),
+    option("--verify", is_flag=True, help="Run the page in SymPy that proves the formula."),
     options.file_option("--latex", help="Write the formula as LaTeX."),
     options.time_limit("Seconds for each criterion (120).", SECONDS),
 )  # fmt: skip
@@ -38,7 +39,7 @@ def run(given: Given) -> None:
     from stickslip_sym.output import files
 
     chosen = criteria_of(given["criterion"])
-    latex, steps = given["latex"], given["steps"]
+    latex, steps, verify = given["latex"], given["steps"], given["verify"]
     at = point(given, without=("c",)).exact("derive")
     law, limit = at.law, given["time_limit"]
     given.all_used()
@@ -51,6 +52,8 @@ def run(given: Given) -> None:
     derivations = dict(zip(chosen, derived([(law, criterion) for criterion in chosen], limit), strict=True))
     failures = [form for form in derivations.values() if isinstance(form, NoClosedForm)]
     forms = [form for form in derivations.values() if not isinstance(form, NoClosedForm)]
+    for closed_form in forms if verify else []:
+        closed_form.verify(time_limit=limit)
     if latex is not None and forms:
         files.write_text(latex, "\n".join(_latex(form, steps) for form in forms))
     rows, texts = list[Json](), [str(at)]

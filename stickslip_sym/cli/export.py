@@ -28,6 +28,7 @@ _KINDS = ("latex", *LANGUAGES, "certificate", "save")
     *(file_option(f"--{name}", help=language.description) for name, language in LANGUAGES.items()),
     file_option("--certificate", help="A proof in plain SymPy, or FILE.v in Coq."),
     file_option("--save", help="The laws, exact, for stickslip_sym.load."),
+    option("--verify", is_flag=True, help="Run the proof of each criterion, and say in LaTeX that it has run."),
     option("--fragment", is_flag=True, help="LaTeX for \\input: without preamble."),
     option("--steps", is_flag=True, help="LaTeX with every step of the derivations."),
     pairs("--symbol", text="Print a symbol otherwise.", example="--symbol V=v_b", metavar="NAME=LATEX"),
@@ -54,6 +55,7 @@ def run(given: Given) -> None:
     style: dict[str, Any] = {}
     if "latex" in targets:
         style = {"fragment": given["fragment"], "steps": given["steps"], "symbols": given["symbol"]}
+    verify, in_coq = given["verify"], "certificate" in targets and targets["certificate"].suffix == ".v"
     given.all_used()
     unbound = _unbound(laws, every) if code else []
     wanted = [(law, criterion) for law in laws for criterion in chosen]
@@ -64,6 +66,9 @@ def run(given: Given) -> None:
     ]
     if missing and len(code) < len(targets) and (not forms or (len(chosen) == 1 and not every)):
         raise NoClosedForm(missing[0][2])
+    for form in forms if verify else []:
+        verdict = form.verify("coq" if in_coq else "sympy", time_limit=limit)
+        click.echo(f"{form.law.name or form.law.text}, {form.criterion.name}: {verdict}", err=True)
     coded = [
         ss.slope_average(law, criterion) if isinstance(form, NoClosedForm) else form
         for law, criterion, form in forms_of
@@ -71,7 +76,6 @@ def run(given: Given) -> None:
     ]
     if "certificate" in targets:
         style["certificate"] = targets["certificate"].name
-    in_coq = "certificate" in targets and targets["certificate"].suffix == ".v"
     write = {
         "latex": lambda: ss.export_latex(forms, missing=missing, **style),
         "certificate": lambda: coq_script_of_one(forms) if in_coq else certificate_of_forms(forms),

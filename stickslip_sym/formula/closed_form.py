@@ -72,6 +72,8 @@ class ClosedForm(SlopeAverage):
     origin: "tuple[ClosedForm, str] | None" = None
     general: "ClosedForm | None" = None
     meanings: Mapping[Expr, Expr] = field(default_factory=dict)
+    _runs: dict[str, tuple[Status, str]] = field(default_factory=dict, init=False, repr=False)
+    """What certificates that were run established, by their languages."""
 
     @property
     def reported(self) -> tuple[str, ...]:
@@ -107,6 +109,13 @@ class ClosedForm(SlopeAverage):
     def _is_long(self) -> bool:
         """Whether the shares of the terms stay apart, as their sum over one denominator would be longer."""
         return len(self._shares) > _FEW_TERMS and self._sum.count_ops() > _SHORT
+
+    @property
+    def shares(self) -> tuple[tuple[Term, Expr], ...]:
+        """The terms whose shares the formula is the sum of, as it is printed; none where it is one quotient."""
+        if not self._is_long:
+            return ()
+        return tuple((term, share) for (term, _), share in zip(self.averages, self._tidied, strict=True))
 
     @cached_property
     def _tidied(self) -> list[Expr]:
@@ -171,25 +180,72 @@ class ClosedForm(SlopeAverage):
         )
         return derivation
 
-    @cached_property
+    @property
     def verdict(self) -> Verdict:
-        """What is established: the weakest verdict of the steps and of the comparisons with the definition."""
+        """What is established: by the steps, by comparisons with the definition, by certificates that were run.
+
+        It is the weakest of them. Its words say which certificate has run here, or is run every night.
+        """
+        status = Status.weakest([self._established.status, *(status for status, _ in self._runs.values())])
+        certificates = [said for _, said in self._runs.values()]
+        if self._established.status is Status.PROVED and not certificates:
+            certificates = [self._certified]
+        return Verdict(status, "; ".join([self._established.evidence, *certificates]))
+
+    @cached_property
+    def _established(self) -> Verdict:
+        """The weakest verdict of the steps and of the comparisons with the definition."""
         gates = [average.gate for average in dict.fromkeys(average for _, average in self.averages)]
         status = Status.weakest(
             [self.derivation.status, *(g.status for g in gates if g.status is not Status.CHECKED)]
         )
         count = len(self.derivation.steps)
         evidence = dict.fromkeys(gate.evidence for gate in gates)
-        page = [self._page] if status is Status.PROVED else []
-        return Verdict(status, "; ".join([f"{count} steps" if count != 1 else "1 step", *evidence, *page]))
+        return Verdict(status, "; ".join([f"{count} steps" if count != 1 else "1 step", *evidence]))
 
     @property
-    def _page(self) -> str:
-        """Whether the page of this formula, which proves it again without this package, has run."""
+    def _certified(self) -> str:
+        """Which certificates of this formula, that prove it again without this package, are run by the tests."""
         law, name = self.law, self.law.name
         is_there = name is not None and name in laws and laws[name].expr == law.expr
-        of_catalogue = is_there and self.criterion.name in catalogue
-        return "its page in SymPy is run every night" if of_catalogue else "its page in SymPy was not run here"
+        if not is_there or self.criterion.name not in catalogue:
+            return "no certificate was run here"
+        if self.criterion.weight is None or self.criterion.is_polynomial:
+            return "its page in SymPy and its script in Coq are run every night"
+        return "its page in SymPy is run every night"
+
+    def verify(self, language: str = "sympy", *, time_limit: float = 60.0) -> Verdict:
+        """Run the certificate of this formula, in a process of its own, and return the verdict after that.
+
+        What ran is remembered: `verdict`, and a document, say so from then on. A formula whose certificate stops
+        is CHECKED at most.
+
+        Parameters
+        ----------
+        language : str
+            "sympy", or "coq" where the command coqc is installed.
+        time_limit : float
+            Seconds that this may take.
+
+        Raises
+        ------
+        InputError
+            If there is no certificate in this language, or nothing that runs it.
+        OutOfTime
+            If it does not end in time, which says nothing of the formula.
+
+        Examples
+        --------
+        >>> from stickslip_sym import derive
+        >>> derive("mu_s - a*v").verify().evidence.split("; ")[-1]
+        'its page in SymPy has proved it here'
+        """
+        from stickslip_sym.certificates.running import outcome_in_coq, outcome_in_sympy
+
+        with limit(time_limit):
+            text = self.certificate(language)
+            self._runs[language] = outcome_in_coq(text) if language == "coq" else outcome_in_sympy(text)
+        return self.verdict
 
     @cached_property
     def limits(self) -> Limits:

@@ -250,3 +250,52 @@ def test_a_sensitivity_starts_from_the_law_that_it_is_of():
         outcome(page.replace(law, law.replace("alpha", "2 * alpha")))
         == "failed: mu is not the derivative of the law"
     )
+
+
+def test_the_verdict_says_which_certificate_has_run():
+    form = ss.derive("linear", "equilibrium")
+    assert form.verdict.evidence.endswith("its page in SymPy and its script in Coq are run every night")
+    assert ss.derive("linear", "harmonic").verdict.evidence.endswith("its page in SymPy is run every night")
+    own = ss.derive("mu_s - 0.07*v", "equilibrium")
+    assert own.verdict.evidence.endswith("; no certificate was run here")
+    assert own.verify() == own.verdict
+    assert own.verdict.evidence.endswith("; its page in SymPy has proved it here")
+    assert "has proved it here" in ss.export_latex(own)
+
+
+@pytest.mark.parametrize(
+    ("page", "said"),
+    [
+        ("raise ValueError('c is not the sum of the averages')", "stops here: ValueError: c is not the sum"),
+        ("print('compared at points only: c = 1')", "has compared it here, at points only"),
+        ("import stickslip_sym", "stops here: ModuleNotFoundError"),
+    ],
+)
+def test_a_formula_whose_certificate_proves_nothing_is_checked_at_most(page, said, monkeypatch):
+    form = ss.derive("mu_s - 0.07*v", "equilibrium")
+    monkeypatch.setattr(type(form), "certificate", lambda *_: page)
+    assert form.verify().status is ss.Status.CHECKED
+    assert said in form.verdict.evidence
+
+
+def test_a_certificate_that_takes_too_long_says_nothing_of_the_formula(monkeypatch):
+    form = ss.derive("mu_s - 0.07*v", "equilibrium")
+    monkeypatch.setattr(type(form), "certificate", lambda *_: "import time; time.sleep(60)")
+    with pytest.raises(ss.OutOfTime, match="before the certificate had run"):
+        form.verify(time_limit=0.2)
+    assert form.verdict.status is ss.Status.PROVED
+    assert form.verdict.evidence.endswith("no certificate was run here")
+
+
+@sweep(
+    ("law", "criterion"),
+    [
+        ("mu_0 + a*Min(v, p)*Min(v, q)", "least_squares"),
+        ("mu_0 + a*Min(v, p)*Max(v - q, 0)", "least_squares"),
+        ("Max(mu_0 - a*v, mu_1)", "least_squares"),
+        ("mu_0 + a*Min(v, p)*Min(v, q)", "equilibrium"),
+    ],
+    3,
+)
+def test_kinks_in_unknown_order_are_proved_in_each_order(law, criterion):
+    assert outcome(ss.derive(law, criterion).certificate()).startswith("proved: ")

@@ -4,7 +4,7 @@ The package supplies an antiderivative of each profile between its kinks; Coq ch
 A law is a sum of profiles at scales: one lemma a profile, in speeds in units of its scale, and one a term.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -12,7 +12,7 @@ from itertools import pairwise
 import sympy as sp
 
 from stickslip_sym.certificates.coq.printer import CoqPrinter, Unsupported
-from stickslip_sym.certificates.coq.script import Script, unfolded
+from stickslip_sym.certificates.coq.script import ROOT_OF_PRODUCT, Script, solved, unfolded
 from stickslip_sym.certificates.coq.words import (
     Generators,
     bounds_of,
@@ -63,6 +63,7 @@ class Row:
     """A term of the law: a profile with its amplitude, its scale, and what its shapes are."""
 
     label: int
+    term: Term
     profile: Profile
     amplitude: Expr
     scale: Expr
@@ -103,7 +104,9 @@ class Integral(Script):
 
     def _row(self, number: int, profile: Profile, term: Term) -> Row:
         shapes = {shape: self.words(value, self.v) for shape, value in term.shapes.items()}
-        return Row(number, profile, self.words(term.amplitude, self.v), self.words(term.scale, self.v), shapes)
+        return Row(
+            number, term, profile, self.words(term.amplitude, self.v), self.words(term.scale, self.v), shapes
+        )
 
     def _one(self, label: int) -> Profile:
         """Return the profile 1, of which K has to be integrated alone."""
@@ -134,8 +137,6 @@ class Integral(Script):
             raise Unsupported(
                 "a script in Coq has no kinks whose places may be negative, or whose order is unknown"
             )
-        if any(node.args[0].has(sp.sqrt(symbols.v)) for node in integral.function.atoms(sp.exp)):
-            raise Unsupported("a script in Coq has no exponential of a root of v")
         require_regular(self.u, *map(words, (*primitives, *pieces_of(expr)[0])), at_rest=True)
         return Profile(
             label,
@@ -219,8 +220,8 @@ class Integral(Script):
         facts, using = self.facts(roots)
         moves = ["rewrite ?Ropp_involutive"] if "polylog" in self.code(primitive) else []
         moves += self.one_roots(square_free(node.args[0] ** 2 + 1) for node in primitive.atoms(sp.asinh))
-        moves += [f"at_value sqrt {self.whole(root.args[0])}" for root in roots if root.has(self.u)]
-        moves += [head for head in self.unified(piece, primitive) if head != "split_powers"]
+        moves += [f"value sqrt {self.whole(root.args[0])} by equal" for root in roots if root.has(self.u)]
+        moves += [head for head in self.unified(using, piece, primitive) if head != "split_powers"]
         is_open = any(self._vanishes_at_rest(node) for node in functions_of(primitive, piece))
         return self.part(
             "open" if is_open else "closed",
@@ -230,7 +231,7 @@ class Integral(Script):
             high=high,
             order=self._order(low, high),
             derivative=f"{facts}unfold A{name}, K{unfolded(primitive, piece)}. "
-            f"auto_derive; [positive | {'; '.join([*moves, f'field{using}'])}; positive].",
+            f"auto_derive; [positive | {'; '.join([*moves, solved(using)])}].",
             unfolded=unfolded(piece),
         )
 
@@ -263,18 +264,22 @@ class Integral(Script):
     def _rise(self, value: Expr, primitives: Sequence[Expr], ends: Sequence[Expr]) -> str:
         """Prove that antiderivatives rise by the value."""
         moving = [root for root in roots_of(*primitives) if root.has(self.u)]
-        made = [square_free(root.args[0].subs(self.u, end)) for root in moving for end in (0, 2 * self.r)]
+        at = [{self.u: end} for end in ends]
+        radicands = [root.args[0].subs(letters) for root in moving for letters in at]
+        made = [square_free(y) for y in radicands if y != 0]
         factors = [factor for y, _ in made if y != 1 for factor in sp.Mul.make_args(y)]
         fixed = [root for root in roots_of(*primitives) if not root.has(self.u)]
         facts, using = self.facts(roots_of(value, *fixed, *map(sp.Function("sqrt"), factors)))
-        moves = list(self.one_roots(made))
+        moves = ["value sqrt 0 by equal", "rewrite ?sqrt_0"] if 0 in radicands else []
+        moves += self.one_roots(made)
         if any(y.is_Mul for y, _ in made):
-            moves.append("rewrite ?sqrt_mult by (apply Rlt_le; positive)")
-        moves += [*self.valued(value, *primitives), *self.unified(value, *primitives), f"field{using}"]
+            moves.append(ROOT_OF_PRODUCT)
+        moves += [*self.valued(using, value, *primitives, at=at), *self.unified(using, value, *primitives)]
+        moves.append(solved(using))
         cases = ""
         if not bounds_of(value) <= bounds_of(*ends):
             cases = "unfold Rmin, Rmax; repeat destruct Rle_dec; try (exfalso; nra). all: "
-        return f"{facts}{cases}{'; '.join(moves)}; positive."
+        return f"{facts}{cases}{'; '.join(moves)}."
 
     # -- the law -------------------------------------------------------------------------------------
 
@@ -282,15 +287,20 @@ class Integral(Script):
         """Return the script."""
         mu = by_places(self.words(self.form.law.expr, self.v), self.v)
         c = self.words(self.form.expr, self.v)
+        shares = {term: self.words(share, self.v) for term, share in self.form.shares}
+        if self._boundary():
+            shares = {}
         values = [self._value_of(row) for row in self.rows]
         inner = [expr.xreplace(row.shapes) for row in self.rows for expr in self._excluded(row.profile)]
         excluded = dict.fromkeys([*denominators(c, mu, *values, *self._letters(), without=(self.v,)), *inner])
         kernel = self.criterion.kernel.xreplace({symbols.v: self.v}).replace(
             _is_odd, lambda node: -((-node.base) ** node.exp)
         )
-        law = self.law(mu, c, excluded, self.part("kernel", kernel=self.code(kernel)))
+        in_code = " + ".join(f"({self.code(share)})" for share in shares.values()) if shares else self.code(c)
+        law = self.law(mu, in_code, excluded, self.part("kernel", kernel=self.code(kernel)))
+        total = self._sum(mu, c, shares)
         return self.assembled(
-            law, "\n".join([*map(self.average, self.profiles), *map(self._term, self.rows), self._sum(mu, c)])
+            law, "\n".join([*map(self.average, self.profiles), *map(self._term, self.rows), total])
         )
 
     def _excluded(self, profile: Profile) -> list[Expr]:
@@ -315,7 +325,7 @@ class Integral(Script):
             average=row.profile.label,
         )
 
-    def _sum(self, mu: Expr, c: Expr) -> str:
+    def _sum(self, mu: Expr, c: Expr, shares: Mapping[Term, Expr]) -> str:
         """State and prove the theorem, by the sum of the terms."""
         amplitudes = [self.whole(row.amplitude) for row in self.rows]
         joined = ""
@@ -324,9 +334,7 @@ class Integral(Script):
             joined = f"(integral_plus _ _ _ _ _ _ {joined} {integral})" if joined else integral
         paired = list(zip(amplitudes, self.rows, strict=True))
         boundary = self._boundary()
-        integrals = ", ".join(f"I{profile.label}" for profile in self.profiles)
-        total = [self._value_of(row) for row in self.rows]
-        written = Generators([c, *total, *self._letters()])
+        proof = self._by_shares(shares) if shares else self._at_once(c, boundary)
         return self.part(
             "sum",
             terms=" + ".join(f"{amplitude} * {self._at(row)}" for amplitude, row in paired),
@@ -335,13 +343,49 @@ class Integral(Script):
             integrals=joined,
             boundary=boundary,
             mu_equality=self._same_law(mu),
-            c_unfolded=f"c, {integrals}{', mu' * bool(boundary)}{unfolded(c, *total)}",
-            c_equality=self.equation(written, c, *total, *self._letters(), moves=self._bounds(c)),
+            shares="\n".join(self._share(term, share) for term, share in shares.items()),
+            c_equality=proof,
         )
 
-    def _bounds(self, c: Expr) -> Iterator[str]:
+    def _at_once(self, c: Expr, boundary: str) -> str:
+        """Prove that c is the sum of the terms, by one equation."""
+        integrals = ", ".join(f"I{profile.label}" for profile in self.profiles)
+        total = [self._value_of(row) for row in self.rows]
+        written = Generators([c, *total, *self._letters()])
+        start = f"unfold c, {integrals}{', mu' * bool(boundary)}{unfolded(c, *total)}. "
+        return start + self.equation(written, c, *total, *self._letters(), moves=self._bounds(c, self.rows))
+
+    def _rows_of(self, term: Term) -> list[Row]:
+        return [row for row in self.rows if row.term is term]
+
+    def _share(self, term: Term, share: Expr) -> str:
+        """State and prove what a term adds to c."""
+        rows = self._rows_of(term)
+        values = [self._value_of(row) for row in rows]
+        letters = [expr for row in rows for expr in (row.amplitude, row.scale, *row.shapes.values())]
+        integrals = ", ".join(f"I{row.profile.label}" for row in rows)
+        start = f"unfold {integrals}{unfolded(share, *values)}. "
+        written = Generators([share, *values, *letters])
+        return self.part(
+            "share",
+            label=rows[0].label,
+            share=self.code(share),
+            values=" + ".join(f"{self.whole(row.amplitude)} * ({self._value(row)})" for row in rows),
+            equality=start + self.equation(written, share, *values, *letters, moves=self._bounds(share, rows)),
+        )
+
+    def _by_shares(self, shares: Mapping[Term, Expr]) -> str:
+        """Prove that c is the sum of the terms, by what each of them adds."""
+        joined = ""
+        for label in (self._rows_of(term)[0].label for term in shares):
+            joined = f"(f_equal2 Rplus {joined} share{label})" if joined else f"share{label}"
+        constants = [f"I{profile.label}" for profile in self.profiles if profile.expr == 1]
+        start = f"unfold {', '.join(constants)}. " if constants else ""
+        return f"{start}refine (eq_trans {joined} _). field; positive."
+
+    def _bounds(self, c: Expr, terms: Sequence[Row]) -> Iterator[str]:
         """Yield tactics that write the ends of pieces in c, and in its terms, by the smaller of 2 V."""
-        rows = [(row, node) for row in self.rows for node in row.profile.value.atoms(sp.Min)]
+        rows = [(row, node) for row in terms for node in row.profile.value.atoms(sp.Min)]
         bounds = [(self.code(node), node) for node in c.atoms(sp.Min)]
         for row, node in rows:
             given = {self.r: f"(V / {self.whole(row.scale)})"}

@@ -51,15 +51,20 @@ Ltac positive := first [ assumption | exact Logic.I | lra | exact PI_RGT_0 | app
   | |- 0 < Rmin _ _ => apply Rmin_glb_lt; positive
   | |- 0 <= Rmin _ _ => apply Rmin_glb; positive
   end | nra ].
-Ltac equal := solve [ field; positive | ring | match goal with Q : sqrt ?a * sqrt ?a = ?a |- _ => solve [field [Q]; positive] end
-  | match goal with Q : sqrt ?a * sqrt ?a = ?a, S : sqrt ?b * sqrt ?b = ?b |- _ => solve [field [Q S]; positive] end ].
+Ltac equal := solve [ field; positive | ring ].
 Ltac change_to_reals := match goal with |- @eq _ ?a ?b => change (@eq R a b) end.
 Ltac square_of_root := apply sqrt_sqrt; solve [apply Rlt_le; positive | lra | positive].
-(* equal arguments of a function have one text *)
-Ltac same f := repeat match goal with |- context [f ?a] => match goal with |- context [f ?b] =>
-  tryif constr_eq a b then fail else replace (f b) with (f a) by (f_equal; equal) end end.
-Ltac at_value f a := repeat match goal with |- context [f ?b] =>
-  tryif constr_eq a b then fail else replace (f b) with (f a) by (f_equal; equal) end.
+(* equal arguments of a function have one text; each two are compared once *)
+Ltac arguments f found := match goal with
+  | |- context [f ?a] => match found with context [cons a _] => fail 1 | _ => arguments f constr:(cons a found) end
+  | _ => found end.
+Ltac take_for f a others t := lazymatch others with nil => idtac | cons ?b ?rest =>
+  try (tryif constr_eq a b then fail else (lazymatch goal with |- context [f b] => idtac end; replace (f b) with (f a) by (f_equal; t)));
+  take_for f a rest t end.
+Ltac take_each f all t := lazymatch all with nil => idtac | cons ?a ?rest => take_for f a rest t; take_each f rest t end.
+Tactic Notation "same" constr(f) "by" tactic3(t) := let all := arguments f (@nil R) in take_each f all t.
+Tactic Notation "value" constr(f) constr(a) "by" tactic3(t) := let all := arguments f (@nil R) in take_for f a all t.
+Tactic Notation "with_roots" tactic3(t) := solve [ equal | t; positive ].
 
 (*# roots *)
 Lemma root_is x y d : 0 < d -> 0 <= y -> x = y / d ^ 2 -> sqrt x = sqrt y / d.
@@ -69,7 +74,7 @@ Proof.
 Qed.
 (* roots of multiples by squares are multiples of one root *)
 Ltac one_root y d := repeat match goal with |- context [sqrt ?a] => tryif constr_eq a y then fail else
-  let H := fresh in assert (H : sqrt a = sqrt y / d) by (apply root_is; [positive | solve [apply Rlt_le; positive | lra] | equal]); rewrite H; clear H end.
+  let H := fresh in assert (H : sqrt a = sqrt y / d) by (apply root_is; [positive | solve [apply Rlt_le; positive | lra | positive] | equal]); rewrite H; clear H end.
 
 (*# exponents *)
 Lemma exp_power n x : exp x ^ n = exp (INR n * x).

@@ -2,7 +2,7 @@
 
 import re
 import textwrap
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from string import Template
 
@@ -13,8 +13,10 @@ from stickslip_sym.certificates.coq.words import (
     HYPERBOLIC,
     Generators,
     depth,
+    differs,
     functions_of,
     in_words,
+    is_monomial,
     roots_of,
     square_free,
 )
@@ -41,6 +43,7 @@ _VALUES = {"exp": "0", "ln": "1", "atan": "0", "arcsinh": "0", "erf": "0", "sqrt
 _VALUES |= {"lower_gamma": "0", "sin": "0", "cos": "0"}
 """Arguments at which the library, or Coq's own, has a lemma on the value of a function."""
 
+ROOT_OF_PRODUCT = "rewrite ?sqrt_mult by (solve [assumption | apply Rlt_le; positive])"
 _BY_EXPONENTIALS = ("Rpower", "power", "erf", "lower_gamma")
 """Functions that are unfolded to exponentials, or whose derivatives hold one."""
 
@@ -107,14 +110,12 @@ class Script:
         lines += [f"Hypothesis excluded{label}{i} : {self.code(expr)} <> 0." for i, expr in enumerate(excluded)]
         return "\n".join(lines)
 
-    def law(self, mu: Expr, c: Expr, excluded: Iterable[Expr], kernel: str = "") -> str:
-        """Return the statement: letters, what is assumed of them, the law and the closed form."""
+    def law(self, mu: Expr, c: str, excluded: Iterable[Expr], kernel: str = "") -> str:
+        """Return the statement: letters, what is assumed of them, the law and the closed form, in Coq."""
         letters = [symbols.N, symbols.V, *self.letters]
         hypotheses = self.hypotheses(letters, excluded, self.form.conditions)
         names = " ".join(map(self.name, letters))
-        return self.part(
-            "law", kernel=kernel, letters=names, hypotheses=hypotheses, mu=self.code(mu), c=self.code(c)
-        )
+        return self.part("law", kernel=kernel, letters=names, hypotheses=hypotheses, mu=self.code(mu), c=c)
 
     def assembled(self, law: str, proof: str) -> str:
         """Return a script with those parts of the library that it needs."""
@@ -144,8 +145,8 @@ class Script:
         facts, using = self.facts(roots_of(*written))
         tactics = [*moves, *self.rewritten(generators, *exprs)]
         if values:
-            tactics += self.valued(*written)
-        return f"{facts}{'; '.join([*tactics, *self.unified(*written), f'field{using}'])}; positive."
+            tactics += self.valued(using, *written)
+        return f"{facts}{'; '.join([*tactics, *self.unified(using, *written), solved(using)])}."
 
     def facts(self, roots: Sequence[Expr]) -> tuple[str, str]:
         """Return tactics that state root * root = radicand, and how `field` is to use it."""
@@ -159,7 +160,10 @@ class Script:
         """Yield tactics that write functions of formulas in the generators."""
         if any(isinstance(node, HYPERBOLIC) for expr in exprs for node in sp.preorder_traversal(expr)):
             yield "rewrite ?tanh_is, ?cosh_is, ?sinh_is"
-        yield from self.one_roots(square_free(root.args[0]) for root in roots_of(*exprs))
+        made = [square_free(root.args[0]) for root in roots_of(*exprs)]
+        yield from self.one_roots(made)
+        if any(is_monomial(radicand) for radicand, _ in made):
+            yield ROOT_OF_PRODUCT
         for node in sorted(generators.exponentials(exprs), key=sp.default_sort_key):
             written = generators.of(node)
             if written != sp.Function("exp")(node.args[0]):
@@ -170,25 +174,40 @@ class Script:
         for radicand, divisor in sorted(set(roots), key=str):
             yield f"one_root {self.whole(radicand)} {self.whole(divisor)}"
 
-    def valued(self, *exprs: Expr) -> Iterator[str]:
-        """Yield tactics for the values of functions at 0 and 1."""
+    def valued(self, using: str, *exprs: Expr, at: Sequence[Mapping[Expr, Expr]] = ({},)) -> Iterator[str]:
+        """Yield tactics for the values of functions at 0 and 1, where letters are as in `at`."""
         for head in self.heads(*exprs):
             name = head.strip("()").split()[0]
-            if name in _VALUES:
-                yield f"at_value {head} {_VALUES[name]}"
+            if name in _VALUES and self._may_be(name, sp.Integer(_VALUES[name]), exprs, at):
+                yield f"value {head} {_VALUES[name]} by {_equal(using)}"
                 yield f"rewrite ?{name}_{_VALUES[name]}"
+            if name == "sqrt" and self._may_be(name, sp.S.Zero, exprs, at):
+                yield f"value sqrt 0 by {_equal(using)}"
+                yield "rewrite ?sqrt_0"
             if name == "atan":
-                yield "rewrite ?atan_1"
+                if self._may_be(name, sp.S.One, exprs, at):
+                    yield "rewrite ?atan_1"
                 if any(expr.has(sp.Function("sqrt")(3)) for expr in exprs):
-                    yield "at_value atan (sqrt 3 / 3)"
+                    yield f"value atan (sqrt 3 / 3) by {_equal(using)}"
                     yield "rewrite ?atan_sixth"
 
-    def unified(self, *exprs: Expr) -> Iterator[str]:
-        """Yield tactics that give equal arguments of a function one text."""
+    def _may_be(self, name: str, value: Expr, exprs: Sequence[Expr], at: Sequence[Mapping[Expr, Expr]]) -> bool:
+        """Tell whether a function may stand at a value in some expressions: no number tells it from that."""
+        nodes = functions_of(*exprs)
+        if name == "exp" and any(node.func.__name__ in _BY_EXPONENTIALS for node in nodes):
+            return True
+        bases = [node.args[0] for node in nodes if node.func.__name__ == "Rpower"]
+        arguments = [node.args[-1] for node in nodes if NAMED.get(node.func.__name__, node.func.__name__) == name]
+        arguments += [node.args[-1] for node in nodes if name == "ln" and node.func.__name__ == "power"]
+        arguments += bases if name == "ln" else []
+        return any(not differs(argument.xreplace(letters), value) for argument in arguments for letters in at)
+
+    def unified(self, using: str, *exprs: Expr) -> Iterator[str]:
+        """Yield tactics that give equal arguments of a function one text; `using` are squares of roots."""
         if has_powers(*exprs):
             yield "split_powers"
         for head in self.heads(*exprs):
-            yield f"same {head}"
+            yield f"same {head} by {_equal(using)}"
 
     def heads(self, *exprs: Expr) -> list[str]:
         """Return the functions of formulas as they stand before their last argument, inner ones first.
@@ -204,6 +223,16 @@ class Script:
             if name == "lower_gamma":
                 levels[level].add(f"(power {self.whole(node.args[1])})")
         return [head for level in sorted(levels) for head in sorted(levels[level])]
+
+
+def solved(using: str) -> str:
+    """Return a tactic for an equation, which may need the squares of roots."""
+    return f"first [field; positive | field{using}; positive]" if using else "field; positive"
+
+
+def _equal(using: str) -> str:
+    """Return a tactic for equal arguments of functions, which may need the squares of roots."""
+    return f"with_roots (field{using})" if using else "equal"
 
 
 def has_powers(*exprs: Expr) -> bool:

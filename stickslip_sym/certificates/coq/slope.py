@@ -6,7 +6,7 @@ from itertools import product
 import sympy as sp
 
 from stickslip_sym.certificates.coq.printer import Unsupported
-from stickslip_sym.certificates.coq.script import Script, unfolded
+from stickslip_sym.certificates.coq.script import Script, solved, unfolded
 from stickslip_sym.certificates.coq.words import (
     Generators,
     by_places,
@@ -45,7 +45,7 @@ class Slope(Script):
         applied = " | ".join(f"apply slope{label}; assumption" for label in range(len(sides)))
         conditions = "".join(f"V <> {self.whole(place)} -> " for place in places)
         theorem = self.part("slopes", conditions=conditions, cases=f"{cases}first [{applied}].")
-        law = self.law(mu, c, denominators(c, mu, without=(self.v,)))
+        law = self.law(mu, self.code(c), denominators(c, mu, without=(self.v,)))
         return self.assembled(law, "\n".join([*slopes, theorem]))
 
     def _slope(self, label: int, mu: Expr, c: Expr, below: Mapping[Expr, bool]) -> str:
@@ -59,7 +59,7 @@ class Slope(Script):
         facts, using = self.facts(roots_of(generators.of(here), generators.of(value)))
         moves += [
             *self.rewritten(generators, here, value),
-            *self.unified(generators.of(here), generators.of(value)),
+            *self.unified(using, generators.of(here), generators.of(value)),
         ]
         nearby = ""
         for place, is_below in below.items():
@@ -84,7 +84,7 @@ class Slope(Script):
             c=self.code(value),
             cases="repeat destruct Rlt_dec; repeat destruct Rle_dec; try (exfalso; lra); " if below else "",
             facts=f"{facts}{f'unfold{unfolded(piece, value)[1:]}. ' if unfolded(piece, value) else ''}",
-            moves="; ".join([*moves, f"field{using}"]),
+            moves="; ".join([*moves, solved(using)]),
         )
 
 

@@ -77,9 +77,10 @@ Lemma mu_is v : 0 <= v -> mu v = $terms.
 Proof.
   intro v_low. $mu_equality
 Qed.
+$shares
 Lemma c_is : c$boundary = N * ($values).
 Proof.
-  unfold $c_unfolded. $c_equality
+  $c_equality
 Qed.
 Theorem criterion : is_RInt (fun v => N * mu v * K V v) 0 (2 * V) (c$boundary).
 Proof.
@@ -87,13 +88,18 @@ Proof.
   - intros v range. rewrite Rmin_left, Rmax_right in range by lra. rewrite mu_is by lra. change_to_reals. ring.
   - exact (integral_times N _ _ _ _ $integrals).
 Qed.
+(*# share *)
+Lemma share$label : $share = N * ($values).
+Proof.
+  $equality
+Qed.
 (*# slope *)
 Lemma slope$label : ${conditions}is_derive mu V (- c / N).
 Proof.
   intros. apply (is_derive_ext_loc (fun v => $piece)).
   - $nearby
   - replace c with ($c) by (unfold c; ${cases}first [reflexivity | field; positive]).
-    ${facts}auto_derive; [positive | $moves; positive].
+    ${facts}auto_derive; [positive | $moves].
 Qed.
 (*# slopes *)
 Theorem criterion : ${conditions}is_derive mu V (- c / N).

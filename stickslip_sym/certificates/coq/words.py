@@ -14,6 +14,8 @@ from stickslip_sym.certificates.coq.printer import MADE, Unsupported
 from stickslip_sym.core.aliases import Expr
 
 _HALF = sp.Rational(1, 2)
+_TELLS = 1e-9
+"""Between an expression and a value: far above what 15 digits leave over."""
 HYPERBOLIC = (sp.tanh, sp.sinh, sp.cosh, sp.coth, sp.sech, sp.csch)
 
 
@@ -158,9 +160,15 @@ def _by_roots(expr: Expr) -> Expr:
 
     def root(inside: Expr) -> Expr:
         radicand, divisor = square_free(inside)
-        return call("sqrt", radicand) / divisor
+        parts = sp.Mul.make_args(radicand) if is_monomial(radicand) else [radicand]
+        return sp.Mul(*[call("sqrt", part) for part in parts]) / divisor
 
     return expr.replace(sp.Function("sqrt"), root)
+
+
+def is_monomial(radicand: Expr) -> bool:
+    """Tell whether a radicand is a product of letters and numbers, whose root is that of their roots."""
+    return bool(radicand.is_Mul and all(part.is_Atom and part.is_nonnegative for part in radicand.args))
 
 
 def _common(first: Expr, second: Expr) -> Expr:
@@ -270,6 +278,14 @@ def places_of(expr: Expr, speed: Expr) -> list[Expr]:
     """Return the places of the pieces of an expression."""
     conditions = {holds for node in expr.atoms(sp.Piecewise) for _, holds in node.args if holds != sp.true}
     return sorted({place_of(holds, speed) for holds in conditions}, key=str)
+
+
+def differs(expr: Expr, value: Expr) -> bool:
+    """Tell whether numbers for the letters show that an expression is not a value; False where none does."""
+    known = expr.replace(sp.Function("sqrt"), sp.sqrt).replace(sp.Function("exp"), sp.exp)
+    numbers = {x: sp.Rational(7 + 3 * i, 11 + i) for i, x in enumerate(sorted(known.free_symbols, key=str))}
+    gap = sp.N(known.xreplace(numbers) - value)
+    return bool(gap.is_number and gap.is_real and abs(gap) > _TELLS)
 
 
 def depth(node: Expr) -> int:
