@@ -10,6 +10,7 @@ error, mostly NotProved, says which step fails.
 It needs nothing but Python 3.11, SymPy 1.13 and its mpmath 1.3, or later ones.
 """
 
+import itertools
 import random
 
 import mpmath
@@ -216,12 +217,46 @@ def without_number(node):
     return base**number * sp.Symbol(f"[{base**rest}]") if base.is_Add else base**node.exp
 
 
-def vanishes(e):
-    """Whether an expression without pieces is 0 by algebra: over one denominator, expanded."""
+def vanishes(e, signs=()):
+    """Whether an expression without pieces is 0: by algebra, or by algebra whichever letters are the larger ones.
+
+    `signs` are expressions that are not negative.
+    """
     e = sp.sympify(e)
+    check(not e.has(sp.Piecewise), "a function in pieces where there should be none")
+    return vanishes_by_algebra(e) or (e.has(sp.Min, sp.Max) and all(map(vanishes_by_algebra, in_orders(e, signs))))
+
+
+def in_orders(e, signs):
+    """Yield an expression without least and largest values, for each order of what they are of."""
+    nodes = [node for node in e.atoms(sp.Min, sp.Max) if not any(a.has(sp.Min, sp.Max) for a in node.args)]
+    if not nodes:
+        yield e
+        return
+    node = min(nodes, key=str)
+    first, second, *others = node.args
+    orders = [(second - first, first, second), (first - second, second, first)]  # what is not negative, less, more
+    for gap, less, more in [order for order in orders if not_negative(order[0], signs)][:1] or orders:
+        chosen = node.func(less if isinstance(node, sp.Min) else more, *others)
+        yield from in_orders(e.xreplace({node: chosen}), [*signs, gap])
+
+
+def not_negative(e, signs):
+    """Whether an expression is known not to be negative: as it is, or as it is no less than a sum of `signs`."""
+    e, *signs = (without_positive_factors(gap) for gap in (e, *signs))
+    sums = [sum(some) for count in range(4) for some in itertools.combinations(signs, count)]
+    return any(sp.expand(e - total).is_nonnegative for total in sums)
+
+
+def without_positive_factors(e):
+    """Return an expression of the same sign."""
+    return sp.Mul(*[factor for factor in sp.Mul.make_args(sp.factor(e)) if not factor.is_positive])
+
+
+def vanishes_by_algebra(e):
+    """Whether an expression is 0 over one denominator, expanded."""
     if e == 0:
         return True
-    check(not e.has(sp.Piecewise), "a function in pieces where there should be none")
     e = e.replace(sp.Min, lambda *x: in_units(sp.Min, *x)).replace(sp.Max, lambda *x: in_units(sp.Max, *x))
     e = e.replace(lambda node: isinstance(node, sp.im) and isinstance(node.args[0], sp.polylog), first_order)
     e = e.replace(lambda node: isinstance(node, sp.polylog), first_order)
@@ -271,7 +306,8 @@ def agree(e, x=v, at=None, below=()):
     if decided:
         return agree(e.xreplace(decided), x, at, below)
     if not conditions:
-        return vanishes(e if at is None else e.subs(x, at))
+        signs = [place - x if is_less else x - place for place, is_less in below.items()]
+        return vanishes(e, signs) if at is None else vanishes(e.subs(x, at), [gap.subs(x, at) for gap in signs])
     places = {part for holds in conditions for part in parts_of(place_of(holds, x))}
     first = min(places - below.keys(), key=str)
     left = {p: True for p in places if (p - first).is_nonnegative}

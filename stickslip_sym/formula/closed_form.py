@@ -214,7 +214,7 @@ class ClosedForm(SlopeAverage):
             return "its page in SymPy and its script in Coq are run every night"
         return "its page in SymPy is run every night"
 
-    def verify(self, language: str = "sympy", *, time_limit: float = 60.0) -> Verdict:
+    def verify(self, language: Literal["sympy", "coq"] = "sympy", *, time_limit: float = 60.0) -> Verdict:
         """Run the certificate of this formula, in a process of its own, and return the verdict after that.
 
         What ran is remembered: `verdict`, and a document, say so from then on. A formula whose certificate stops
