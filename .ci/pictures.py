@@ -31,6 +31,7 @@ tradeoff.SPEEDS = tradeoff.SPEEDS[9:10]
 """
 FIGURES = 4  # of the study that the picture shows
 NUMBER = re.compile(r"[-−]?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
+TICK = re.compile(r"\$\\mathdefault\{.*\}\$")
 SAME = 1e-3  # relative difference of two numbers that are shown
 KEYWORD = b"Description\0"
 
@@ -50,7 +51,7 @@ def run(arguments: list[str], folder: str, before: str = "") -> None:
 def texts_of_svg(svg: str) -> list[str]:
     """Return the texts of a picture, of whatever is no tick; each stands in a comment before its paths."""
     found = [unescape(text).strip() for text in re.findall(r"<!--(.*?)-->", svg, re.S)]
-    return [text for text in found if text and not NUMBER.fullmatch(text)]
+    return [text for text in found if text and not NUMBER.fullmatch(text) and not TICK.fullmatch(text)]
 
 
 def texts_of_study(page: str) -> list[str]:
