@@ -25,6 +25,7 @@ AMONG = 21  # cells of a row
 KINDS = {"Rest": "rest", "LimitCycle": "pure_slip", "StickSlipCycle": "stick_slip"}
 SEEDS = range(400)
 ALWAYS = range(16)  # those of the default run
+CHEAP = [seed for seed in ALWAYS if seed not in (6, 15)]  # 14 and 7 are of their kinds
 
 
 def returns(law, osc):
@@ -54,7 +55,7 @@ def test_on_either_side_of_a_threshold_the_slip_has_another_fate(seed):
     assert None in fates or fates == [True, False]
 
 
-@sweep("seed", SEEDS, *ALWAYS)
+@sweep("seed", SEEDS, *CHEAP)
 def test_what_the_mass_does(seed):
     """Regime, stick-slip cycle, limit cycles, the classification of P, a cell alone and among others."""
     law, osc, _ = scene(seed)
