@@ -1,7 +1,7 @@
 """The table of functions: a row for each, with all that is known of it, and the one fold over expressions.
 
-A new function is one row here and nothing else: formulas, printers, derivatives, balls, power series, differences
-and programs in other languages look it up when they need it.
+A new function is one row here and nothing else: formulas, printers, derivatives, balls, series and differences
+look it up when they need it. In other languages it is written where SymPy's printers have it.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,7 +16,7 @@ from sympy.codegen.cfunctions import expm1, log1p
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.numbers import bits
-from stickslip_sym.core.special import Ein, Langevin, Lerch, NumberPower, Removable, polylog
+from stickslip_sym.core.special import Ein, Erfcx, Langevin, Lerch, NumberPower, Removable, polylog
 
 T = TypeVar("T")
 
@@ -69,24 +69,11 @@ class Function:
     """What a document says of it, in LaTeX, of a function that not every reader knows."""
     dlmf: str = ""
     """The sections of the Digital Library of Mathematical Functions on its derivative and its series."""
-    c: str | None = None
-    """A call in C99: the name, or text with ``{}`` for the argument; None where it has no such function."""
-    python: str | None = None
-    """The same in Python with NumPy as np."""
-    octave: str | None = None
-    """The same in Octave; by default that of C."""
 
     @property
     def name(self) -> str:
         """Its name in a formula."""
         return str(self.kind.__name__)
-
-    def call(self, language: str, *arguments: str) -> str | None:
-        """Return a call in a language of the table, by its column or that of C; None where it has none."""
-        text: str | None = getattr(self, language, None) or (None if language == "python" else self.c)
-        if text is None:
-            return None
-        return text.format(*arguments) if "{" in text else f"{text}({', '.join(arguments)})"
 
 
 @dataclass(frozen=True)
@@ -215,61 +202,59 @@ _ROWS = (
     Function(sp.exp, acb.exp, series=arb_series.exp, gain=lambda x, a, gain: sp.exp(a) * expm1(gain),
              inverse=sp.log, analytic=True, hypergeometric=lambda z: sp.hyper((), (), z),
              ladder=lambda x, n, j: sp.exp(x), dies=lambda z: bool(z.is_negative), in_laws=True, latex=None,
-             c="exp", python="np.exp", dlmf="4.7, 4.2"),
+             dlmf="4.7, 4.2"),
     Function(sp.log, acb.log, _below_zero, arb_series.log, gain=lambda x, a, gain: log1p(gain / a), inverse=sp.exp,
-             domain=lambda z: (z,), in_laws=True, aliases=("ln",), latex=r"\ln", c="log", python="np.log"),
+             domain=lambda z: (z,), in_laws=True, aliases=("ln",), latex=r"\ln"),
     Function(sp.sin, acb.sin, series=arb_series.sin,
              gain=lambda x, a, gain: 2 * sp.cos((x + a) / 2) * sp.sin(gain / 2), analytic=True, bounded=True,
              hypergeometric=lambda z: z * sp.hyper((), (3 * _HALF,), -(z**2) / 4),
-             ladder=_trigonometric_ladder(sp.sin), in_laws=True, latex=r"\sin", squared=True, c="sin",
-             python="np.sin"),
+             ladder=_trigonometric_ladder(sp.sin), in_laws=True, latex=r"\sin", squared=True),
     Function(sp.cos, acb.cos, series=arb_series.cos,
              gain=lambda x, a, gain: -2 * sp.sin((x + a) / 2) * sp.sin(gain / 2), analytic=True, bounded=True,
              hypergeometric=lambda z: sp.hyper((), (_HALF,), -(z**2) / 4),
-             ladder=_trigonometric_ladder(sp.cos), in_laws=True, latex=r"\cos", squared=True, c="cos",
-             python="np.cos"),
-    Function(sp.tan, acb.tan, series=arb_series.tan, in_laws=True, latex=r"\tan", squared=True, c="tan",
-             python="np.tan"),
+             ladder=_trigonometric_ladder(sp.cos), in_laws=True, latex=r"\cos", squared=True),
+    Function(sp.tan, acb.tan, series=arb_series.tan, in_laws=True, latex=r"\tan", squared=True),
     Function(sp.sinh, acb.sinh, series=lambda z: (z.exp() - (-z).exp()) / 2,
              gain=lambda x, a, gain: 2 * sp.cosh((x + a) / 2) * sp.sinh(gain / 2), inverse=sp.asinh, analytic=True,
-             in_laws=True, latex=r"\sinh", squared=True, c="sinh", python="np.sinh"),
+             in_laws=True, latex=r"\sinh", squared=True),
     Function(sp.cosh, acb.cosh, series=lambda z: (z.exp() + (-z).exp()) / 2, gain=_gain_of_cosh, analytic=True,
-             in_laws=True, latex=r"\cosh", squared=True, c="cosh", python="np.cosh"),
+             in_laws=True, latex=r"\cosh", squared=True),
     Function(sp.tanh, acb.tanh, series=lambda z: 1 - 2 / ((2 * z).exp() + 1),
              gain=lambda x, a, gain: sp.tanh(gain) * (1 - sp.tanh(x) * sp.tanh(a)), analytic=True, bounded=True,
              ladder=_tanh_ladder,
-             in_laws=True, latex=r"\tanh", squared=True, c="tanh", python="np.tanh"),
+             in_laws=True, latex=r"\tanh", squared=True),
     Function(sp.sech, _sech, series=lambda z: 2 / (z.exp() + (-z).exp()),
              gain=lambda x, a, gain: -_gain_of_cosh(x, a, gain) * sp.sech(x) * sp.sech(a), analytic=True,
              bounded=True, dies=lambda z: True, ladder=_sech_ladder, in_laws=True, squared=True,
-             floats=lambda x: 1 / np.cosh(x), c="(1.0/cosh({}))", python="(1.0/np.cosh({}))"),
+             floats=lambda x: 1 / np.cosh(x)),
     Function(sp.coth, acb.coth, series=lambda z: 1 + 2 / ((2 * z).exp() - 1),
              gain=lambda x, a, gain: -sp.sinh(gain) / (sp.sinh(x) * sp.sinh(a)), in_laws=True, latex=r"\coth",
-             squared=True, floats=lambda x: 1 / np.tanh(x), c="(1.0/tanh({}))", python="(1.0/np.tanh({}))"),
+             squared=True, floats=lambda x: 1 / np.tanh(x)),
     Function(Langevin, Langevin.ball, series=Langevin.series, analytic=True, bounded=True, floats=Langevin.floats,
              ladder=_langevin_ladder, latex=None),
-    Function(sp.csch, acb.csch, c="(1.0/sinh({}))", python="(1.0/np.sinh({}))"),
+    Function(sp.csch, acb.csch),
     # Arb's own asinh is not finite on wide balls.
     Function(sp.asinh, lambda z: (z + (z * z + 1).sqrt()).log(), _outside_imaginary_unit,
              series=lambda z: (z + (z * z + 1).sqrt()).log(), gain=_gain_of_asinh, inverse=sp.sinh, analytic=True,
              in_laws=True, aliases=("arcsinh", "arsinh"), latex=r"\operatorname{arsinh}",
-             meaning=r"$\operatorname{arsinh}$ is the inverse hyperbolic sine", c="asinh", python="np.arcsinh"),
-    Function(sp.acosh, acb.acosh, _below_one, latex=r"\operatorname{arcosh}", c="acosh", python="np.arccosh"),
-    Function(sp.atanh, acb.atanh, _outside_real_unit, latex=r"\operatorname{artanh}", c="atanh",
-             python="np.arctanh"),
+             meaning=r"$\operatorname{arsinh}$ is the inverse hyperbolic sine"),
+    Function(sp.acosh, acb.acosh, _below_one, latex=r"\operatorname{arcosh}"),
+    Function(sp.atanh, acb.atanh, _outside_real_unit, latex=r"\operatorname{artanh}"),
     Function(sp.atan, acb.atan, _outside_imaginary_unit, arb_series.atan,
              gain=lambda x, a, gain: sp.atan2(gain, 1 + x * a), analytic=True, bounded=True, in_laws=True,
-             aliases=("arctan",), latex=r"\arctan", c="atan", python="np.arctan"),
+             aliases=("arctan",), latex=r"\arctan"),
     Function(sp.asin, acb.asin, _outside_real_unit, domain=lambda z: (1 - z**2,), in_laws=True,
-             aliases=("arcsin",), latex=r"\arcsin", c="asin", python="np.arcsin"),
+             aliases=("arcsin",), latex=r"\arcsin"),
     Function(sp.acos, acb.acos, _outside_real_unit, domain=lambda z: (1 - z**2,), in_laws=True,
-             aliases=("arccos",), latex=r"\arccos", c="acos", python="np.arccos"),
+             aliases=("arccos",), latex=r"\arccos"),
     Function(sp.erf, acb.erf, series=arb_series.erf, analytic=True, bounded=True, in_laws=True,
-             meaning=r"$\operatorname{erf}$ is the error function", c="erf", python="_erf"),
-    Function(sp.erfc, acb.erfc, series=arb_series.erfc, analytic=True, bounded=True, c="erfc", python="_erfc"),
+             meaning=r"$\operatorname{erf}$ is the error function"),
+    Function(sp.erfc, acb.erfc, series=arb_series.erfc, analytic=True, bounded=True),
+    Function(Erfcx, Erfcx.ball, series=lambda z: (z * z).exp() * z.erfc(), analytic=True, floats=Erfcx.floats,
+             latex=r"\operatorname{erfcx}"),
     Function(sp.erfi, acb.erfi, series=arb_series.erfi, analytic=True),
-    Function(expm1, acb.expm1, floats=np.expm1, c="expm1", python="np.expm1"),
-    Function(log1p, acb.log1p, lambda z: _below_zero(1 + z), c="log1p", python="np.log1p"),
+    Function(expm1, acb.expm1, floats=np.expm1),
+    Function(log1p, acb.log1p, lambda z: _below_zero(1 + z)),
     Function(sp.besseli, lambda order, z: z.bessel_i(order), _anywhere, domain=_of_whole_order,
              hypergeometric=_bessel(1), latex="I", indexed=True, dlmf="10.29, 10.25",
              meaning="$I_n$ is the modified Bessel function of the first kind"),
@@ -314,13 +299,12 @@ _ROWS = (
     Function(sp.Chi, acb.chi, _anywhere),
     Function(sp.fresnels, acb.fresnel_s, _anywhere, latex="S"),
     Function(sp.fresnelc, acb.fresnel_c, _anywhere, latex="C"),
-    Function(NumberPower, NumberPower.ball, latex=None, c="pow({}, {})",
-             python="({})**({})", octave="({})^({})"),
+    Function(NumberPower, NumberPower.ball, latex=None),
     Function(sp.re, lambda z: acb(z.real), _anywhere, latex=r"\operatorname{Re}"),
     Function(sp.im, lambda z: acb(z.imag), _anywhere, domain=lambda z: (), latex=r"\operatorname{Im}"),
-    Function(sp.Abs, lambda z: acb(abs(z)), _anywhere, latex=None, c="fabs", python="np.abs", octave="abs"),
+    Function(sp.Abs, lambda z: acb(abs(z)), _anywhere, latex=None),
     Function(sp.arg, lambda z: acb(z.arg()), _anywhere, latex=r"\arg"),
-    Function(sp.sign, lambda z: z.sgn(), _anywhere, latex=r"\operatorname{sgn}", python="np.sign", octave="sign"),
+    Function(sp.sign, lambda z: z.sgn(), _anywhere, latex=r"\operatorname{sgn}"),
 )  # fmt: skip
 
 FUNCTIONS: dict[type[Expr], Function] = {function.kind: function for function in _ROWS}
@@ -360,6 +344,20 @@ _ANY = sp.Wild("a")
 def without_squares(expr: Expr) -> Expr:
     """Write 1 - tanh^2 as sech^2, which does not cancel."""
     return expr.replace(1 - sp.tanh(_ANY) ** 2, sp.sech(_ANY) ** 2) if expr.has(sp.tanh) else expr
+
+
+def without_overflow(expr: Expr) -> Expr:
+    """Write exp(x^2) erfc(x), of which one factor overflows far out, as one function."""
+
+    def scaled(product: Expr) -> Expr:
+        for factor in product.atoms(sp.erfc):
+            (x,) = factor.args
+            for other in product.args:
+                if isinstance(other, sp.exp) and sp.expand(other.exp - x**2) == 0:
+                    return product / factor / other * Erfcx(x)
+        return product
+
+    return expr.replace(lambda node: node.is_Mul, scaled) if expr.has(sp.erfc) else expr
 
 
 def elementary(expr: Expr) -> Expr:

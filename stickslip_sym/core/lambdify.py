@@ -15,7 +15,7 @@ from sympy.printing.pycode import MpmathPrinter
 from sympy.utilities.lambdify import MPMATH_TRANSLATIONS
 
 from stickslip_sym.core.aliases import Expr, Numbers
-from stickslip_sym.core.functions import FUNCTIONS
+from stickslip_sym.core.functions import FUNCTIONS, without_overflow
 from stickslip_sym.core.special import Special
 
 Backend: TypeAlias = Literal["numpy", "math", "mpmath"] | mpmath.MPContext
@@ -85,7 +85,7 @@ def _compiled(arguments: tuple[Expr, ...], expr: Expr | tuple[Expr, ...], backen
     several = isinstance(expr, tuple)
     parts = [sp.sympify(part) for part in (expr if several else (expr,))]
     if backend == "numpy":
-        parts = [_in_floats(part) for part in parts]
+        parts = [_in_floats(without_overflow(part)) for part in parts]
     compiled: Callable[..., Any] = sp.lambdify(
         list(arguments), parts if several else parts[0], modules=_modules(backend), dummify=True, cse=several,
         printer=None if context_of(backend) is None else _Exact(), docstring_limit=0,

@@ -98,6 +98,30 @@ class Ein(Special):
             return np.asarray(np.where(x < 1, series, exp1(x) + np.log(x) + np.euler_gamma))
 
 
+class Erfcx(Special):
+    """exp(x^2) erfc(x), whose factors over- and underflow where it is about 1/(sqrt(pi) x)."""
+
+    nargs = 1
+    is_real = True
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        """Differentiate."""
+        (x,) = self.args
+        return 2 * x * Erfcx(x) - 2 / sp.sqrt(sp.pi)
+
+    @staticmethod
+    def ball(z: acb) -> acb:
+        """Return the product."""
+        return (z * z).exp() * z.erfc()
+
+    @staticmethod
+    def floats(x: Any) -> FloatArray:
+        """Return the values of an array."""
+        from scipy.special import erfcx
+
+        return np.asarray(erfcx(x))
+
+
 class polylog(sp.polylog):  # type: ignore[misc]  # noqa: N801  # SymPy is untyped; the name is what is printed
     """Li_s(z) as SymPy's, which spends a tenth of a second on the question whether z = 1 whenever it is made."""
 

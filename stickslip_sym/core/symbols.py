@@ -39,9 +39,6 @@ QUANTITIES = {
     )
 }
 
-RESERVED = frozenset(QUANTITIES)
-"""Names that a parameter of a friction law may not have."""
-
 V, N, m, k, c, v, x, t = (quantity.symbol for quantity in QUANTITIES.values())
 mu: Expr = sp.Function("mu", real=True)
 

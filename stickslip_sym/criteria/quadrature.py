@@ -5,11 +5,10 @@ varies quickly. Nothing here knows an antiderivative, a derivative or a closed f
 something.
 """
 
-import heapq
 import math
 from collections.abc import Callable, Sequence
 from itertools import chain, pairwise
-from typing import SupportsIndex
+from typing import NamedTuple, SupportsIndex
 
 import mpmath
 import sympy as sp
@@ -25,6 +24,9 @@ from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.expression.transitions import transitions
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
+from stickslip_sym.numerics.chebyshev import grid
+from stickslip_sym.numerics.known import Unknown
+from stickslip_sym.numerics.subdivide import HALVE, Accept, Budget, Decision, Interval, Limits, subdivide
 
 __all__ = ["MOST_DIGITS", "average", "damping", "read_operating_point"]
 
@@ -33,14 +35,14 @@ Function = Callable[[Mpf], Mpf]
 MOST_DIGITS = 10_000  # of a result
 _GUARD = 10  # digits beyond those asked for, against rounding in the sum
 _MOST_LOST = 400  # digits of cancellation in an integral that are followed before it counts as zero
-_MOST_LOST_IN_SLOPE = 2000  # of a slope, which costs a few values of mu only
-_MOST_PANELS = 120
+_MOST_LOST_IN_SLOPE = 5 * _MOST_LOST  # of a slope, which costs a few values of mu only
+_MOST_PANELS = 240  # that are looked at
 _WIDER = 4  # times, each panel beside a narrow one
 _BESIDE = 4  # times the digits asked for: decimal orders below the belt speed, as near as rest itself
 _STRETCHING = 8  # the least power of the variable where mu is infinite at v = 0
 _MOST_STRETCHING = 1000
-_NEAR = (50, 100)  # decimal orders below the belt speed at which a coefficient is seen to be integrable
-_LOOKS = (0.001, 0.25, 0.5, 0.75, 0.999)  # of the way through a panel, where its size is looked at
+_NEAR = 50  # and twice that: decimal orders below V at which a coefficient is seen to be integrable
+_LOOKS = ((1 + grid(5).nodes) / 2).tolist()  # of the way through a panel, where its size is looked at
 
 
 def damping(
@@ -190,7 +192,8 @@ def _require_integrable(mu: Function, criterion: Criterion, speed: Expr) -> None
     order = criterion.order_at_rest
     with mp.workdps(_GUARD + 15):
         near, nearer = (
-            abs(mu(v)) * v ** own_mpf(order) for v in (own_mpf(speed) * mp.mpf(10) ** -k for k in _NEAR)
+            abs(mu(v)) * v ** own_mpf(order)
+            for v in (own_mpf(speed) * mp.mpf(10) ** -k for k in (_NEAR, 2 * _NEAR))
         )
         grows = nearer > near * (mp.mpf("1.01") if order == 0 else mp.mpf("0.5"))
     if grows and nearer > 0:
@@ -254,7 +257,7 @@ def _integral(
     power = _STRETCHING
     if singular:
         # In y, x = y^power, what is infinite at x = 0 but integrable vanishes at y = 0, or almost.
-        near, nearer = (ends[-1] * mp.mpf(10) ** -k for k in _NEAR)
+        near, nearer = (ends[-1] * mp.mpf(10) ** -k for k in (_NEAR, 2 * _NEAR))
         values = [abs(integrand(x)) for x in (near, nearer)]
         steepness = mp.log(values[1] / values[0]) / mp.log(near / nearer) if all(values) else 0
         power = max(power, min(int(1 / (1 - steepness)), _MOST_STRETCHING)) if 0 < steepness < 1 else power
@@ -291,29 +294,42 @@ def _confirmed_slope(mu: Function, speed: Expr, digits: int, sides: Sequence[int
     raise NotConverged(f"the slope of mu at V = {float(speed):g} does not settle to {digits} digits")
 
 
+class _Estimate(NamedTuple):
+    """The integral over a panel, and its error."""
+
+    value: Mpf
+    error: Mpf
+
+
 def _adaptive(f: Function, a: Mpf, b: Mpf, tolerance: Mpf, rule: str) -> Mpf:
-    """Integrate by one of mpmath's rules, halving the panel with the largest error until all is small enough."""
-    panels: list[tuple[Mpf, Mpf, Mpf, Mpf]] = []  # minus error, left, right, value: worst first
+    """Integrate by one of mpmath's rules, halving panels until the sum of their errors is small enough."""
+    accepted = list[_Estimate]()
 
-    def add(left: Mpf, right: Mpf) -> None:
-        # mpmath's error estimate is absolute, so the integrand is brought to the order of 1 first.
-        looks = [abs(f(left + (right - left) * fraction)) for fraction in _LOOKS]
-        scale = max(looks) * (right - left) or mp.mpf(1)
-        value, error = mp.quad(lambda u: f(u) / scale, [left, right], error=True, method=rule)
-        # Its degrees agree where all of them step over a narrow peak; the halves have other nodes.
-        halves = mp.quad(lambda u: f(u) / scale, [left, (left + right) / 2, right], method=rule)
-        heapq.heappush(panels, (-max(error, abs(halves - value)) * scale, left, right, halves * scale))
+    def look(panels: Sequence[Interval[Mpf, None]]) -> list[Decision[Mpf, None]]:
+        estimates = [_estimate(f, panel.low, panel.high, rule) for panel in panels]
+        size = mp.fsum((one.value for one in (*accepted, *estimates)), absolute=True)
+        left = tolerance * size - mp.fsum(one.error for one in accepted)
+        if mp.fsum(one.error for one in estimates) <= left:
+            return [Accept(one.value) for one in estimates]
+        share = left / (2 * len(panels))  # so that at least half is left for what is halved
+        accepted.extend(one for one in estimates if one.error <= share)
+        return [Accept(one.value) if one.error <= share else HALVE for one in estimates]
 
-    add(a, b)
-    while len(panels) <= _MOST_PANELS:
-        error = -mp.fsum(panel[0] for panel in panels)
-        if error <= tolerance * mp.fsum((panel[3] for panel in panels), absolute=True):
-            return mp.fsum(panel[3] for panel in panels)
-        _, left, right, _ = heapq.heappop(panels)
-        middle = (left + right) / 2
-        add(left, middle)
-        add(middle, right)
-    raise NotConverged(
-        f"the quadrature did not reach {mp.nstr(tolerance, 2)} relative with {_MOST_PANELS} panels; "
-        "ask for fewer digits, or split the law where it is not smooth"
-    )
+    limits = Limits(Budget(_MOST_PANELS))
+    values = subdivide([(a, b)], look, limits=limits, at_once=_MOST_PANELS).complete()
+    if isinstance(values, Unknown):
+        raise NotConverged(
+            f"the quadrature did not reach {mp.nstr(tolerance, 2)} relative with {_MOST_PANELS} panels; "
+            "ask for fewer digits, or split the law where it is not smooth"
+        )
+    return mp.fsum(values)
+
+
+def _estimate(f: Function, left: Mpf, right: Mpf, rule: str) -> _Estimate:
+    # mpmath's error estimate is absolute, so the integrand is brought to the order of 1 first.
+    looks = [abs(f(left + (right - left) * fraction)) for fraction in _LOOKS]
+    scale = max(looks) * (right - left) or mp.mpf(1)
+    value, error = mp.quad(lambda u: f(u) / scale, [left, right], error=True, method=rule)
+    # Its degrees agree where all of them step over a narrow peak; the halves have other nodes.
+    halves = mp.quad(lambda u: f(u) / scale, [left, (left + right) / 2, right], method=rule)
+    return _Estimate(halves * scale, max(error, abs(halves - value)) * scale)

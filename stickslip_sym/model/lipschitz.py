@@ -5,6 +5,7 @@ logarithm where its argument is not positive, a tangent at its poles. So it is e
 arguments is positive for v > 0, and that segments of mu meet without a jump.
 """
 
+import math
 from collections.abc import Iterator
 
 import sympy as sp
@@ -17,6 +18,7 @@ from stickslip_sym.core.functions import must_be_positive
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.expression.pieces import jumps
+from stickslip_sym.numerics.subdivide import shown
 
 BITS_OF_SIGNS = 64
 """The precision with which a sign is shown that is far from changing."""
@@ -62,11 +64,8 @@ def _is_positive(expr: Expr, start: Rational, end: Rational | None) -> bool:
         return False
     with working_precision(BITS_OF_SIGNS):
         function = ball_function(expr, _speed, {})
-        waiting = [(start, end)]
-        for _ in range(_MOST_CUTS):
-            if not waiting:
-                return True
-            low, high = waiting.pop()
-            if not function(acb(ball(low).real.union(ball(high).real)), False).real > 0:
-                waiting += [(low, (low + high) / 2), ((low + high) / 2, high)]
-    return False
+
+        def holds(low: Rational, high: Rational, _: int) -> bool:
+            return bool(function(acb(ball(low).real.union(ball(high).real)), False).real > 0)
+
+        return shown(holds, [(start, end)], halvings=math.inf, most=_MOST_CUTS)

@@ -19,7 +19,7 @@ A table ends where mu varies too often, as a sine does for ever: a motion that c
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -28,7 +28,7 @@ from typing import NamedTuple
 import numpy as np
 import sympy as sp
 from flint import acb, arb
-from numpy.polynomial import Polynomial, chebyshev
+from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import symbols
@@ -42,16 +42,29 @@ from stickslip_sym.model.at_rest import Rising
 from stickslip_sym.model.expression.slope import slope_of
 from stickslip_sym.model.expression.transitions import transitions
 from stickslip_sym.model.taylor_model import balls_from_rest
+from stickslip_sym.numerics.chebyshev import evaluate, grid, tail
+from stickslip_sym.numerics.known import Unknown
+from stickslip_sym.numerics.subdivide import (
+    CROWDED,
+    HALVE,
+    Accept,
+    Decision,
+    Interval,
+    Limits,
+    ends,
+    shown,
+    subdivide,
+)
 
 FARTHEST = 1e20
 """The slip speed in m/s at which a table ends at the latest: a motion that comes so far grows without bound."""
 
 _DEGREE = 14  # 15 nodes resolve about an octave of an analytic law to rounding
-_LOWEST = 1e-40  # m/s; a law that is singular at rest, as sqrt(v), is a straight line below
+_LOWEST = 1 / FARTHEST**2  # m/s; a law that is singular at rest, as sqrt(v), is a straight line below
 _TAIL = 1e-15  # of the last two Chebyshev coefficients, relative to the largest value: what they leave out is less
-_NOISE = 4e-15  # relative error of the first polynomial, and of mu where a rise had to be computed as a difference
+_NOISE = 4 * _TAIL  # relative error of the first polynomial, and of mu where a rise is a difference
 _VANISHES = 4e-16  # of the largest coefficient at rest: where mu has no slope at 0, rounding is none either
-_MOST = 512  # intervals within an octave: a table ends where there would be more
+_MOST = 512  # intervals within an octave: a table ends where there would be more; as many are looked at at a time
 _RESOLVED = 4  # halvings, after which what is left may be noise of a rise computed as a difference
 _NARROWEST = 1e-13  # relative width of an interval that is not halved again
 _POLE = 1e6  # a coefficient on the narrowest interval as high as that is a pole's
@@ -61,24 +74,16 @@ _LEAP = 1 / 32  # times its own speed: the stages of the longest steps meet what
 _STEEPER = 4.0  # times the steepest slope of a polynomial: balls are larger than what they hold
 _CUTS = 3  # halvings of the ball over an interval, to bring it closer to what it holds
 _UNSEEN = 100.0  # times the level of the last coefficients: a rise of no account, however steep
-_TOGETHER = 512  # intervals that are looked at at a time, the lowest first
 _TINY = 1e-290  # a rise where floats underflow
 _BITS = 200  # working precision of balls: 1 - exp(-v) has digits down to `_LOWEST`
 
-_POWERS = np.arange(_DEGREE + 1)
-_NODES = -np.cos(np.pi * (_POWERS + 0.5) / (_DEGREE + 1))  # Chebyshev's, ascending
-_POLYNOMIALS = chebyshev.chebvander(_NODES, _DEGREE)
-_COEFFICIENTS = np.linalg.inv(_POLYNOMIALS).T
-_SLOPES = _COEFFICIENTS @ np.array(
-    [chebyshev.chebval(_NODES, chebyshev.chebder(row)) for row in np.eye(_DEGREE + 1)]
-)  # from values to slopes at the nodes
+_GRID = grid(_DEGREE + 1)
 _AT_REST = np.array(
     [
-        np.pad(Polynomial(chebyshev.cheb2poly(row))(Polynomial([-1.0, 2.0])).coef, (0, _DEGREE - k - 1))
-        for k, row in enumerate(np.eye(_DEGREE))
+        np.pad(Polynomial(np.trim_zeros(row, "b"))(Polynomial([-1.0, 2.0])).coef, (0, _DEGREE - 1 - k))
+        for k, row in enumerate(grid(_DEGREE).powers)
     ]
 )  # from Chebyshev's polynomials of 2 t - 1 to powers of t
-_MONOMIALS = np.array([np.pad(chebyshev.cheb2poly(row), (0, _DEGREE - k)) for k, row in enumerate(np.eye(15))])
 
 Pieces = list[tuple[float, ...]] | FloatArray
 """The polynomials of a rise, a row for each interval: where it begins, then origin and scale of
@@ -272,6 +277,7 @@ def _values(pieces: FloatArray, v: FloatArray, derivative: bool) -> FloatArray:
     return value * pieces[..., 2] if derivative else value
 
 
+_NO_VALUE = Unknown("mu has no finite value there")
 _ROUGH = (
     "mu varies too often to be tabulated beyond {}, or no bound of its slope is close enough there; try a slower "
     "belt, or a law that varies less"
@@ -316,51 +322,56 @@ class _Segment:
         rest, begin = (np.empty((0, 3 + _DEGREE + 1)), self.start) if self.start else _first(self)
         if begin >= self.high:
             return rest, self.high
-        high = self.high
-        edges = begin * 2.0 ** np.arange(max(1, math.ceil(math.log2(high / begin))) + 1)
-        edges[-1] = high
-        accepted, waiting = list[FloatArray](), [(edges[:-1], edges[1:], 0)]
-        reached = np.zeros(edges.size)
-        while waiting:
-            low, upper, halvings = waiting.pop()
-            low, upper = low[low < high], upper[low < high]
-            if not low.size:
-                continue
-            values = self.rising(((low + upper)[:, None] + (upper - low)[:, None] * _NODES) / 2)
-            coefficients = values @ _COEFFICIENTS
+        edges = begin * 2.0 ** np.arange(max(1, math.ceil(math.log2(self.high / begin))) + 1)
+        edges[-1] = self.high
+        reached = np.zeros(edges.size - 1)  # the highest rise up to the end of each octave
+
+        def look(intervals: Sequence[Interval[float, None]]) -> Iterator[Decision[FloatArray, None]]:
+            low, upper = ends(intervals)
+            values = self.rising(_GRID.between(low, upper))
             scale = np.abs(values).max(axis=1)
-            narrow = upper - low <= _NARROWEST * upper
-            # A speed is rounded, which shows where mu is steep.
-            level = _TAIL * (scale + np.ptp(values, axis=1) * upper / (upper - low))
-            level += _NOISE * (scale + abs(self.onset)) if halvings >= _RESOLVED else 0.0
-            octave = np.searchsorted(edges, low, side="right")
-            np.maximum.at(reached, octave, np.where(np.isfinite(scale), scale, 0.0))
-            reached = np.maximum.accumulate(reached)  # the highest rise up to the end of each octave
-            level += _NOISE * reached[-1] if self.derivative else 0.0
-            fits = (np.abs(coefficients[:, -2:]).max(axis=1) <= level) & ~self.hides(low, upper)
-            steepest = _STEEPER * 2 * np.abs(values @ _SLOPES).max(axis=1)
-            steepest += _UNSEEN * (level + _TAIL * reached[octave]) + _TINY
-            for i in np.flatnonzero(fits & ~narrow):
-                fits[i] = self.is_sure(low[i], upper[i], steepest[i] / (upper[i] - low[i]))
-            fits = np.isfinite(scale) & (fits | (narrow & (scale < _POLE * (1 + abs(self.onset)))))
-            lost = ~fits & (narrow | ~np.isfinite(values).any(axis=1))
-            high = float(low[lost].min(initial=high))
-            columns = low, (low + upper) / 2, 2 / (upper - low), coefficients @ _MONOMIALS
-            accepted.append(np.column_stack(columns)[fits])
-            halved = ~fits & ~lost & (low < high)
-            middle = (low[halved] + upper[halved]) / 2
-            low, upper = np.concatenate((low[halved], middle)), np.concatenate((middle, upper[halved]))
-            lows = np.sort(np.concatenate([low, *(part[:, 0] for part in accepted)]))
-            octave = np.searchsorted(edges, lows, side="right")
-            crowded = (octave[_MOST:] == octave[:-_MOST]) & (lows[_MOST:] < high)
-            if crowded.any():
-                high, self.is_rough = float(lows[_MOST:][crowded][0]), True
-            order = np.argsort(low)
-            for some in np.array_split(order, 1 + order.size // _TOGETHER)[::-1]:
-                waiting.append((low[some], upper[some], halvings + 1))
-        pieces = np.concatenate(accepted)
-        pieces = pieces[np.argsort(pieces[:, 0])]
-        return np.concatenate((rest, pieces[pieces[:, 0] < high])), high
+            octaves = np.array([one.first for one in intervals])
+            np.maximum.at(reached, octaves, np.where(np.isfinite(scale), scale, 0.0))
+            np.maximum.accumulate(reached, out=reached)
+            halvings = np.array([one.halvings for one in intervals])
+            level = self.noise(values, low, upper, halvings) + (_NOISE * reached[-1] if self.derivative else 0.0)
+            coefficients = values @ _GRID.coefficients
+            fits = (tail(coefficients, 2) <= level) & ~self.hides(low, upper)
+            steepest = _STEEPER * 2 * np.abs(values @ _GRID.slopes).max(axis=1)
+            steepest += _UNSEEN * (level + _TAIL * reached[octaves]) + _TINY
+            powers = coefficients @ _GRID.powers
+            for i, one in enumerate(intervals):
+                if one.high - one.low <= _NARROWEST * one.high:
+                    is_known = fits[i] or scale[i] < _POLE * (1 + abs(self.onset))
+                elif fits[i] and self.is_sure(one.low, one.high, steepest[i] / (one.high - one.low)):
+                    is_known = True
+                elif np.isfinite(values[i]).any():
+                    yield HALVE
+                    continue
+                else:
+                    is_known = False
+                yield Accept(_row(one, powers[i])) if is_known else _NO_VALUE
+
+        found = subdivide(
+            list(pairwise(edges.tolist())),
+            look,
+            limits=Limits(parts=_MOST),
+            at_once=_MOST,
+            to_first_open=True,
+        )
+        pieces = np.array([*rest, *found.payloads])
+        if not found.open:
+            return pieces, self.high
+        ((end, _, _, why),) = found.open
+        self.is_rough = why is CROWDED
+        return pieces, end
+
+    def noise(self, values: FloatArray, low: FloatArray, high: FloatArray, halvings: IntArray) -> FloatArray:
+        """Return what coefficients of a rise on intervals may be off by, a row of values for each."""
+        scale = np.abs(values).max(axis=1)
+        # A speed is rounded, which shows where mu is steep.
+        level = _TAIL * (scale + np.ptp(values, axis=1) * high / (high - low))
+        return np.asarray(level + np.where(halvings >= _RESOLVED, _NOISE * (scale + abs(self.onset)), 0.0))
 
     def hides(self, low: FloatArray, high: FloatArray) -> BoolArray:
         """Whether a transition within ranges, or beside them, is narrow beside them."""
@@ -374,19 +385,22 @@ class _Segment:
 
         Ranges that are looked at one after another are much alike: each is cut at once as the last had to be.
         """
-        first, highest = min(self.cuts, cuts), 0.0
-        ends = [*(low + (high - low) * part / 2**first for part in range(2**first)), high]
-        waiting = [(*pair, first) for pair in pairwise(ends)]
-        while waiting and self.slopes:
-            low, high, halvings = waiting.pop()
-            bound = self.bound(low, high, steepest)
-            highest = max(highest, bound)
-            if not bound <= steepest:
-                if halvings == cuts:
-                    return False
-                self.cuts, middle = halvings + 1, (low + high) / 2
-                waiting += [(low, middle, halvings + 1), (middle, high, halvings + 1)]
-        if 2 * highest <= steepest:
+        if not self.slopes:
+            return True
+        first, bounds = min(self.cuts, cuts), [0.0]
+
+        def holds(low: float, high: float, halvings: int) -> bool:
+            bounds.append(self.bound(low, high, steepest))
+            if bounds[-1] <= steepest:
+                return True
+            if first + halvings < cuts:
+                self.cuts = first + halvings + 1
+            return False
+
+        between = [*(low + (high - low) * part / 2**first for part in range(2**first)), high]
+        if not shown(holds, list(pairwise(between)), halvings=cuts - first):
+            return False
+        if 2 * max(bounds) <= steepest:
             self.cuts = max(0, first - 1)
         return True
 
@@ -399,6 +413,11 @@ class _Segment:
                 self.slopes.insert(0, self.slopes.pop(number))  # the form of the formula that is asked first
                 return float(size)
         return math.inf
+
+
+def _row(one: Interval[float, None], powers: FloatArray) -> FloatArray:
+    """Return a piece with coefficients of the powers of its variable."""
+    return np.array([one.low, (one.low + one.high) / 2, 2 / (one.high - one.low), *powers])
 
 
 @lru_cache(maxsize=256)  # laws with other values share them
@@ -423,22 +442,22 @@ def _first(segment: _Segment) -> tuple[FloatArray, float]:
     """Return the piece at rest, where the rise is v g(v), as wide as it fits, and where it ends."""
     rising, onset, high = segment.rising, segment.onset, segment.high
     widths = high * 2.0 ** -np.arange(max(1.0, math.floor(math.log2(high / _LOWEST))))[::-1]
-    nodes = widths[:, None] * (1 + _NODES) / 2
+    nodes = _GRID.between(np.zeros_like(widths), widths)
     values = rising(nodes)
     if not np.isfinite(values[0]).any():
         raise InputError(
             f"mu is not a finite real number at v = {nodes[0, 0]:.1e} m/s: no slip begins there; check the law's "
             "formula and the values of its parameters"
         )
-    coefficients = (values / nodes) @ _COEFFICIENTS
+    coefficients = (values / nodes) @ _GRID.coefficients
     largest = np.abs(values / nodes).max(axis=1)
-    fits = (np.abs(coefficients[:, -2:]).max(axis=1) <= _TAIL * largest) & ~segment.hides(0 * widths, widths)
-    steepest = _STEEPER * np.abs(values @ _SLOPES).max(axis=1) * 2 / widths
+    fits = (tail(coefficients, 2) <= _TAIL * largest) & ~segment.hides(0 * widths, widths)
+    steepest = _STEEPER * np.abs(values @ _GRID.slopes).max(axis=1) * 2 / widths
     for noise in (0.0, _NOISE * abs(onset)):  # a rise that had to be computed as a difference has it
-        own = np.abs(nodes * (coefficients @ _POLYNOMIALS.T) - values) <= _NOISE * np.abs(values) + noise
+        own = np.abs(nodes * (coefficients @ _GRID.polynomials) - values) <= _NOISE * np.abs(values) + noise
         for i in np.flatnonzero(fits & own.all(axis=1))[::-1]:
             below, there = nodes[: i + 1], values[: i + 1]
-            fitted = below * chebyshev.chebval(2 * below / widths[i] - 1, coefficients[i])
+            fitted = below * evaluate(coefficients[i], 2 * below / widths[i] - 1)
             if (np.abs(fitted - there) <= _NOISE * np.abs(there) + noise).all() and (
                 segment.is_sure(0.0, widths[i], steepest[i], 0)
                 or _is_sure_towards_rest(segment, float(widths[0]), float(widths[i]), steepest[i])
@@ -450,16 +469,16 @@ def _first(segment: _Segment) -> tuple[FloatArray, float]:
 
 def _is_sure_towards_rest(segment: _Segment, low: float, high: float, steepest: float) -> bool:
     """Whether balls show that abs(mu') is at most so steep down to the least speed; mu may be singular at 0."""
-    waiting = [(low, high)]
-    while waiting:
-        low, high = waiting.pop()
-        if high <= 2 * low:
-            if not segment.is_sure(low, high, steepest):
-                return False
-        elif not segment.is_sure(low, high, steepest, 0):
-            middle = math.sqrt(low) * math.sqrt(high)
-            waiting += [(low, middle), (middle, high)]
-    return True
+    octaves = math.log2(high / low)
+    halvings = math.ceil(math.log2(octaves)) if octaves > 1 else 0  # in logarithms, down to octaves
+
+    def holds(low: float, high: float, halved: int) -> bool:
+        return segment.is_sure(low, high, steepest, 0 if halved < halvings else _CUTS)
+
+    def cut(low: float, high: float) -> float:
+        return math.sqrt(low) * math.sqrt(high)
+
+    return shown(holds, [(low, high)], halvings=halvings, cut=cut)
 
 
 def _at_rest(width: float, coefficients: FloatArray) -> FloatArray:

@@ -10,11 +10,11 @@ inclusion methods, Int. J. Pure Appl. Math. 4, 2003); a function's own remainder
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, reduce
 from operator import add, mul
-from typing import Any
+from typing import Any, Generic, Protocol, Self, TypeAlias, TypeVar
 
 import numpy as np
 import sympy as sp
@@ -34,13 +34,17 @@ _MOST_MULTIPLIED = 16  # of a whole power that is multiplied out
 _WIDER = 2  # times the size of an argument: the circle on which a function is bounded
 _RADII = 12  # halvings of the radius that are tried
 _INSIDE = 0.25  # of the radius: within it the remainder is below 2^(-3 terms)
-_INSIDE_IN_FLOATS = 1 / 16  # within which floats need few terms
+_INSIDE_IN_FLOATS = _INSIDE**2  # within which floats need few terms
 _BITS_OF_FLOATS = 128
 _CANCELLED = 2.0**-90  # of the sizes of coefficients: below it their sum is 0
 _UNSEEN = 2.0**-60  # of the largest coefficient: below it a coefficient that may be 0 is 0 to floats
 
 
 _RECIPROCALS: dict[type[Expr], type[Expr]] = {sp.coth: sp.tanh, sp.csch: sp.sinh}
+
+
+Bound: TypeAlias = Callable[[arb], arb]
+"""From the radius of a disc to a bound on a function there; NaN without one."""
 
 
 class NotAnalytic(ArithmeticError):
@@ -115,6 +119,12 @@ class TaylorModel:
             rest=(self.rest * abs(factor)).abs_upper(),
         )  # fmt: skip
 
+    def split(self) -> tuple[arb, "TaylorModel"]:
+        """Return the value at v = 0, and what vanishes there."""
+        if self.low < 0:
+            raise NotAnalytic("it is infinite at rest")
+        return (self.polynomial[0], self.without_first()) if self.low == 0 else (arb(0), self)
+
     def constant(self, value: arb) -> "TaylorModel":
         """Return a number with as many terms."""
         return self._cut(0, arb_poly([value]), self.top - self.low, arb(0))
@@ -133,12 +143,13 @@ class TaylorModel:
             raise NotAnalytic("no coefficient is known")
         return replace(self, low=self.low + 1, polynomial=self.polynomial.right_shift(1))
 
-    def inserted_in(self, coefficients: Sequence[arb], most: arb) -> "TaylorModel":
-        """Return a power series of this, which vanishes with x; `most` bounds the function a circle farther out.
+    def inserted_in(self, coefficients: Sequence[arb], bound: Bound) -> "TaylorModel":
+        """Return a power series of this, which vanishes with x; `bound` holds for the function on a wider circle.
 
         By Cauchy's estimate coefficient k of a function that is below `most` on |w| = r is below most/r^k. What
         the product of polynomials has beyond the last power is bounded by that of the sizes of their coefficients.
         """
+        most = bound((_WIDER * self.size).abs_upper())
         if self.low < 1 or not most.is_finite():
             raise NotAnalytic("a function is not bounded")
         if self.size == 0:
@@ -189,69 +200,106 @@ def _size(polynomial: arb_poly, radius: arb) -> arb:
     return arb_poly([abs(c) for c in polynomial])(radius)
 
 
-class _Expansion:
-    """The algebra of Taylor models."""
+class Expandable(Protocol):
+    """What a formula is expanded in: a number and what vanishes at v = 0, or a power of x before both."""
 
-    def __init__(self, point: Mapping[Expr, Expr], unit: int, radius: arb, count: int) -> None:
-        self.point, self.count = point, count
-        self.x = TaylorModel(1, arb_poly([1]), count + 1, arb(0), radius, unit)
+    def __add__(self, other: Self, /) -> Self: ...
+    def __mul__(self, other: Self, /) -> Self: ...
 
-    def __call__(self, node: Expr, parts: list[TaylorModel]) -> TaylorModel:
+    @property
+    def low(self) -> float:
+        """The power of x before it."""
+
+    @property
+    def leading(self) -> arb:
+        """The first coefficient, which must be certain."""
+
+    def split(self) -> tuple[arb, Self]:
+        """Return the value at x = 0, and what vanishes there."""
+
+    def without_first(self) -> Self:
+        """Return it without its first term."""
+
+    def scaled(self, factor: arb, power: int = 0) -> Self:
+        """Return it times a number and a power of x."""
+
+    def constant(self, value: arb) -> Self:
+        """Return a number."""
+
+    def inserted_in(self, coefficients: Sequence[arb], bound: Bound) -> Self:
+        """Return a power series of this, which vanishes with x; `bound` is that of the function."""
+
+
+S = TypeVar("S", bound=Expandable)
+
+
+class Expansion(Generic[S]):
+    """The algebra by which a formula is expanded from what v is, with so many coefficients of each function."""
+
+    def __init__(self, point: Mapping[Expr, Expr], v: S, count: int) -> None:
+        self.point, self.v, self.count = point, v, count
+
+    def __call__(self, node: Expr, parts: list[S]) -> S:
+        """Expand a node, from its arguments."""
         if node == symbols.v:
-            return self.x.scaled(arb(1), self.x.unit - 1)
+            return self.v
         if not node.has(symbols.v):
             value = ball_value(node, self.point)
             if not value.is_finite() or value.imag != 0:
                 raise NotAnalytic(f"{node} has no value")
-            return self.x.constant(value.real)
+            return self.v.constant(value.real)
         if node.is_Add or node.is_Mul:
             return reduce(add if node.is_Add else mul, parts)
         if node.is_Pow and node.base is not sp.E:
-            return self._power(parts[0], number_at(node.exp, self.point))
-        if node.func in _RECIPROCALS:
-            return self._power(self(_RECIPROCALS[node.func](node.args[0]), parts), sp.S.NegativeOne)
+            return self.power(parts[0], number_at(node.exp, self.point))
+        if node.func in _RECIPROCALS and parts[0].low > 0:
+            return self.power(self(_RECIPROCALS[node.func](node.args[0]), parts), sp.S.NegativeOne)
         known = row(node)
         if known is None or known.ball is None or len(parts) != 1:
             raise NotAnalytic(f"{node} is expanded in no rule")
-        return self._function(known, parts[0])
+        return self.function(known, parts[0])
 
-    def _power(self, base: TaylorModel, exponent: Expr) -> TaylorModel:
+    def power(self, base: S, exponent: Expr) -> S:
+        """Return a power of what begins with a number, or with a power of x."""
         if exponent.is_Integer and 0 <= exponent <= _MOST_MULTIPLIED:
-            return reduce(mul, [base] * int(exponent), self.x.constant(arb(1)))
+            return reduce(mul, [base] * int(exponent), self.v.constant(arb(1)))
         first = base.leading
-        shift = exponent * base.low
+        shift = exponent * int(base.low)
         if not shift.is_Integer or not (exponent.is_Integer or first > 0):
             raise NotAnalytic("a power of v that is not whole, or of what is negative")
         p = arb(rational(exponent)) if exponent.is_Rational else ball_value(exponent, {}).real
-        rest = base.without_first().scaled(1 / first, -base.low)
-        farther = _WIDER * rest.size
-        if not farther < 1:
-            raise NotAnalytic("a base may vanish within the radius")
         binomials = [arb(1)]
         for k in range(self.count):
             binomials.append(binomials[-1] * (p - k) / (k + 1))
-        most = ((1 + farther) ** p).max((1 - farther) ** p)
-        factor = first ** int(exponent) if exponent.is_Integer else first**p
-        return rest.inserted_in(binomials, most).scaled(factor, int(shift))
 
-    def _function(self, function: Function, inner: TaylorModel) -> TaylorModel:
-        if inner.low < 0:
-            raise NotAnalytic("a function of what is infinite at rest")
-        start, rest = (inner.polynomial[0], inner.without_first()) if inner.low == 0 else (arb(0), inner)
-        if function.ball is None:
-            raise NotAnalytic(f"{function.kind.__name__} has no balls")
-        kind: Any = function.kind
-        coefficients = _taylor(kind, start.mid().man_exp(), start.rad().man_exp(), self.count, ctx.prec)
-        farther = (_WIDER * rest.size).abs_upper()
-        around = acb(start, 0) + acb(arb(0, farther), arb(0, farther))
-        ball = acb("nan") if function.cut(around) else function.ball(around)
-        return rest.inserted_in(coefficients, arb(ball.abs_upper()) if ball.is_finite() else arb.nan())
+        def bound(farther: arb) -> arb:
+            return ((1 + farther) ** p).max((1 - farther) ** p) if farther < 1 else arb.nan()
+
+        rest = base.without_first().scaled(1 / first, -int(base.low))
+        factor = first ** int(exponent) if exponent.is_Integer else first**p
+        return rest.inserted_in(binomials, bound).scaled(factor, int(shift))
+
+    def function(self, known: Function, inner: S) -> S:
+        """Return a function of what is finite at v = 0."""
+        start, rest = inner.split()
+        coefficients = self.coefficients(known.kind, start)
+        return rest.inserted_in(coefficients, lambda farther: _largest(known, start, farther))
+
+    def coefficients(self, kind: Any, start: arb) -> tuple[arb, ...]:
+        """Return the first coefficients of a function around a ball."""
+        return _taylor(kind, start.mid().man_exp(), start.rad().man_exp(), self.count, ctx.prec)
+
+
+def _largest(function: Function, start: arb, farther: arb) -> arb:
+    """Return a bound on a function on a disc around a ball; NaN without one."""
+    around = acb(start, 0) + acb(arb(0, farther), arb(0, farther))
+    if function.ball is None or function.cut(around):
+        return arb.nan()
+    return arb(function.ball(around).abs_upper())
 
 
 @lru_cache(maxsize=256)
-def _taylor(
-    kind: type[Expr], middle: tuple[int, int], radius: tuple[int, int], count: int, bits: int
-) -> tuple[arb, ...]:
+def _taylor(kind: Any, middle: tuple[int, int], radius: tuple[int, int], count: int, bits: int) -> tuple[arb, ...]:
     """Return the first coefficients of a function around a ball."""
     x, start = sp.Dummy(), arb(middle, radius)
     with working_precision(bits, count + 1):
@@ -324,7 +372,8 @@ def _with_pole(expr: Expr, point: Mapping[Expr, Expr], bits: int) -> TaylorModel
     for halvings in range(_RADII):
         radius = (arb(_lowest_scale(expr, point)) / 2**halvings).root(unit)
         try:
-            return fold(expr, _Expansion(point, unit, arb(radius.mid()), count))
+            v = TaylorModel(unit, arb_poly([1]), unit + count, arb(0), arb(radius.mid()), unit)
+            return fold(expr, Expansion(point, v, count))
         except (NotAnalytic, InputError, ValueError, ZeroDivisionError, OverflowError):
             continue
     return None

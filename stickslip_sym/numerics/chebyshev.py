@@ -57,13 +57,12 @@ def _cosines(steps: IntArray, n: int) -> FloatArray:
 
 
 class BallGrid:
-    """The same in ball arithmetic; the nodes have no radius."""
+    """The same in ball arithmetic, for any nodes in [-1, 1], which have no radius."""
 
-    def __init__(self, n: int) -> None:
-        angles = [arb(2 * k + 1) / (2 * n) for k in range(n)]
-        self.nodes: list[arb] = [-angle.cos_pi().mid() for angle in angles]
+    def __init__(self, nodes: Sequence[arb]) -> None:
+        self.nodes = [node.mid() for node in nodes]
         self._polynomials = [arb_poly([1]), arb_poly([0, 1])]
-        for _ in range(n - 2):
+        for _ in nodes[2:]:
             self._polynomials.append(arb_poly([0, 2]) * self._polynomials[-1] - self._polynomials[-2])
         # The matrix of the rounded nodes is inverted: that of cosines would miss what the nodes are rounded by.
         self._matrix = arb_mat([[polynomial(x) for polynomial in self._polynomials] for x in self.nodes]).inv()
@@ -85,13 +84,24 @@ def grid(n: int) -> Grid:
 
 
 def ball_grid(n: int) -> BallGrid:
-    """Return n nodes in balls of the working precision."""
+    """Return Chebyshev's n nodes in balls of the working precision."""
     return _ball_grid(n, ctx.prec)
 
 
 @lru_cache(maxsize=8)
 def _ball_grid(n: int, _bits: int) -> BallGrid:
-    return BallGrid(n)
+    return BallGrid([-(arb(2 * k + 1) / (2 * n)).cos_pi() for k in range(n)])
+
+
+def gauss_grid(n: int) -> tuple[BallGrid, list[arb]]:
+    """Return the nodes of the Gauss-Legendre rule in balls of the working precision, and its weights."""
+    return _gauss_grid(n, ctx.prec)
+
+
+@lru_cache(maxsize=8)
+def _gauss_grid(n: int, _bits: int) -> tuple[BallGrid, list[arb]]:
+    nodes, weights = zip(*(arb.legendre_p_root(n, k, weight=True) for k in range(n)), strict=True)
+    return BallGrid(nodes), [weight.mid() for weight in weights]
 
 
 def evaluate(coefficients: FloatArray, t: FloatArray) -> FloatArray:

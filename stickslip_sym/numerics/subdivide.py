@@ -217,7 +217,7 @@ def shown(
     holds: Callable[[X, X, int], bool],
     edges: Sequence[tuple[X, X]],
     *,
-    halvings: int,
+    halvings: float,
     most: float = math.inf,
     cut: Callable[[X, X], X] = middle,
 ) -> bool:

@@ -23,12 +23,11 @@ POINT = sp.Rational(37, 29)
 
 NEW = {
     "fresnels": (
-        Function(sp.fresnels, acb.fresnel_s, analytic=True, bounded=True, in_laws=True, latex="S",
-                 c="_fresnels({})", python="_fresnels({})"),
+        Function(sp.fresnels, acb.fresnel_s, analytic=True, bounded=True, in_laws=True, latex="S"),
         mpmath.fresnels,
     ),
     "acosh": (
-        Function(sp.acosh, acb.acosh, in_laws=True, latex=r"\operatorname{arcosh}", c="acosh",
+        Function(sp.acosh, acb.acosh, in_laws=True, latex=r"\operatorname{arcosh}",
                  domain=lambda z: (z - 1,)),
         mpmath.acosh,
     ),
@@ -56,7 +55,6 @@ def test_a_new_function_is_one_row(name, monkeypatch):
         series = balls.series_function(row.kind(x), x, {})(arb_series([float(POINT), 1]))
         taylor = mpmath.taylor(value, float(POINT), 5)
         assert [float(series[n]) for n in range(6)] == pytest.approx(list(map(float, taylor)), rel=1e-9, abs=1e-12)
-    assert functions.row(row.kind(x)).call("c", "x")
     assert lipschitz_evidence(bound.bound)[0]  # so thresholds of such laws are proved
     monkeypatch.setitem(FUNCTIONS, row.kind, replace(row, analytic=False, domain=lambda z: None))
     assert not lipschitz_evidence(bound.bound)[0]

@@ -17,7 +17,7 @@ class Language:
     `prefixes`, and is none of the page's words.
     """
 
-    name: str  # of its column in the table of functions
+    name: str
     description: str
     file: Path
     prefixes: tuple[str, ...] = ()
@@ -27,8 +27,7 @@ class Language:
     power: str = "pow({}, {})"
     nan: str = "NAN"
     infinity: str = "HUGE_VAL"
-    extremes: tuple[str, str] = ("fmax", "fmin")  # of two numbers
-    choice: str = ""  # of a value by a condition, or another; empty where none is written
+    functions: tuple[tuple[str, str], ...] = ()  # of SymPy, that its printer does not know, and their names
     comment: str = ""  # what a line of a comment begins with
     next_line: str = ",\n    "  # between numbers that stand on two lines
     next_row: str = ",\n    "  # between the rows of a table
@@ -52,10 +51,10 @@ LANGUAGES = {
         "python",
         "A NumPy module.",
         _HERE / "python.txt",
-        power="np.power({}, {})",
-        nan="np.nan",
-        infinity="1e999",  # a parameter may be called np
-        extremes=("np.maximum", "np.minimum"),
+        power="numpy.power({}, {})",
+        nan="numpy.nan",
+        infinity="1e999",  # a parameter may be called numpy
+        functions=(("erf", "_erf"), ("erfc", "_erfc")),
         next_row="],\n    [",
         never=("\\", '"""'),
     ),
@@ -78,7 +77,7 @@ LANGUAGES = {
         elementwise=True,
         nan="NaN",
         infinity="Inf",
-        extremes=("max", "min"),
+        functions=(("expm1", "expm1"), ("log1p", "log1p")),
         comment="% ",
         next_line=", ...\n    ",
         next_row="; ...\n    ",
@@ -91,8 +90,7 @@ LANGUAGES = {
         power="Math.pow({}, {})",
         nan="NaN",
         infinity="Infinity",
-        extremes=("Math.max", "Math.min"),
-        choice="({} ? {} : {})",
+        functions=(("erf", "erf"), ("erfc", "erfc"), ("expm1", "Math.expm1"), ("log1p", "Math.log1p")),
         comment="   ",
         never=("*/",),
     ),

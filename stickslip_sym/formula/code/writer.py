@@ -4,19 +4,22 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from functools import reduce
 from string import Template
 
 import sympy as sp
-from sympy.printing.printer import Printer
+from sympy.printing.c import C99CodePrinter
+from sympy.printing.codeprinter import CodePrinter, PrintMethodNotImplementedError
+from sympy.printing.jscode import JavascriptCodePrinter
+from sympy.printing.numpy import NumPyPrinter
+from sympy.printing.octave import OctaveCodePrinter
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.functions import row
 from stickslip_sym.core.names import lookup
 from stickslip_sym.core.remedies import Values
+from stickslip_sym.core.special import NumberPower
 from stickslip_sym.core.status import Status
 from stickslip_sym.formula.code.languages import LANGUAGES, Language
 from stickslip_sym.formula.evaluation.branches import Branch, Table
@@ -28,6 +31,7 @@ from stickslip_sym.model.expression.normal_form import normal_form
 from stickslip_sym.model.expression.pieces import without_endless
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.terms import terms_of
+from stickslip_sym.numerics.known import Unknown
 
 
 def code(criteria: Mapping[str, tuple[TermSum, str]], language: str) -> str:
@@ -83,8 +87,15 @@ def _settled(average: TermSum) -> tuple[list[TermFunction], set[Expr]]:
 
 
 def text_of(expr: Expr, names: Mapping[Expr, str], language: Language) -> str:
-    """Return an expression in a language; a function that the language has not is refused."""
-    return _by_elements(str(_Printer(language, names).doprint(expr)), language)
+    """Return an expression in a language, by SymPy's printer; a function that the language has not is refused."""
+    numbers = {node: sp.Float(float(node)) for node in expr.atoms(NumberPower)}
+    try:
+        return str(_PRINTERS[language.name](language, names).doprint(expr.xreplace(numbers)))
+    except PrintMethodNotImplementedError:
+        unknown = ", ".join(sorted({type(node).__name__ for node in expr.atoms(sp.Function)}))
+        raise InputError(
+            f"{str(expr)[:60]} cannot be written as code: {language.name} lacks one of {unknown}"
+        ) from None
 
 
 def _by_elements(text: str, language: Language) -> str:
@@ -92,67 +103,39 @@ def _by_elements(text: str, language: Language) -> str:
     return re.sub(r"(?<!\.)([*/^])", r".\1", text) if language.elementwise else text
 
 
-class _Printer(Printer):  # type: ignore[misc]  # SymPy is untyped
-    """Expressions as a language writes them, with the names of the table of functions."""
+class _Written:
+    """What SymPy's printers have in common here: names for symbols, and numbers that are read back exactly."""
 
     def __init__(self, language: Language, names: Mapping[Expr, str]) -> None:
-        super().__init__()
-        self._language, self._names = language, names
+        super().__init__({"user_functions": dict(language.functions), "strict": True})  # type: ignore[call-arg]
+        self._names, self._written_in = names, language
 
     def _print_Symbol(self, expr: Expr) -> str:
         return self._names[expr]
 
     def _print_Number(self, expr: Expr) -> str:
-        return _number(float(expr), self._language)
+        return _number(float(expr), self._written_in)
 
-    _print_NumberSymbol = _print_Number  # noqa: N815  # as SymPy calls it
+    def _print_reciprocal(self, expr: Expr) -> str:
+        """Print what SymPy would write by exponentials, which overflow."""
+        return f"({self._print(1 / _RECIPROCALS[type(expr)](*expr.args))})"  # type: ignore[attr-defined]
 
-    def _print_Add(self, expr: Expr) -> str:
-        return " + ".join(self._print(term) for term in expr.args)
 
-    def _print_Mul(self, expr: Expr) -> str:
-        return "*".join(self._in_brackets(factor) for factor in expr.args)
+for _kind in ("Integer", "Rational", "Half", "Float", "NumberSymbol", "Pi", "Exp1"):
+    setattr(_Written, f"_print_{_kind}", _Written._print_Number)
+_RECIPROCALS: dict[type[Expr], type[Expr]] = {sp.sech: sp.cosh, sp.coth: sp.tanh, sp.csch: sp.sinh}
+for _function in _RECIPROCALS:
+    setattr(_Written, f"_print_{_function.__name__}", _Written._print_reciprocal)
 
-    def _print_Pow(self, expr: Expr) -> str:
-        if expr.exp == -1:
-            return f"(1.0/{self._in_brackets(expr.base)})"
-        return self._language.power.format(self._print(expr.base), self._print(expr.exp))
-
-    def _print_Max(self, expr: Expr) -> str:
-        function = self._language.extremes[isinstance(expr, sp.Min)]
-        text: str = reduce(lambda left, right: f"{function}({left}, {right})", map(self._print, expr.args))
-        return text
-
-    _print_Min = _print_Max  # noqa: N815  # as SymPy calls it
-
-    def _print_Piecewise(self, expr: Expr) -> str:
-        if not self._language.choice:
-            raise InputError(f"{str(expr)[:60]} cannot be written as code: {self._language.name} has no choices")
-        text = self._language.nan
-        for value, condition in reversed(expr.args):
-            if condition is sp.true:
-                text = self._print(value)
-            else:
-                text = self._language.choice.format(self._print(condition), self._print(value), text)
-        return text
-
-    def _print_Relational(self, expr: Expr) -> str:
-        return f"{self._print(expr.lhs)} {expr.rel_op} {self._print(expr.rhs)}"
-
-    def _print_And(self, expr: Expr) -> str:
-        return " && ".join(f"({self._print(one)})" for one in expr.args)
-
-    def _in_brackets(self, expr: Expr) -> str:
-        text = self._print(expr)
-        return f"({text})" if expr.is_Add or expr.is_Mul else str(text)
-
-    def emptyPrinter(self, expr: Expr) -> str:  # as SymPy calls it
-        """Print a function by its row of the table."""
-        known, name = row(expr), self._language.name
-        text = None if known is None else known.call(name, *[self._print(a) for a in expr.args])
-        if text is None:
-            raise InputError(f"{str(expr)[:60]} cannot be written as code: {name} has no {type(expr).__name__}")
-        return text
+_PRINTERS: dict[str, type[CodePrinter]] = {
+    name: type("Printer", (_Written, printer), {})
+    for name, printer in (
+        ("python", NumPyPrinter),
+        ("c", C99CodePrinter),
+        ("octave", OctaveCodePrinter),
+        ("javascript", JavascriptCodePrinter),
+    )
+}
 
 
 def _number(value: float, language: Language) -> str:
@@ -257,10 +240,11 @@ class _Writer:
         """Write number * prod bases^amplitude * F(prod bases^ratio) and the tables of F, and compare them."""
         shapes = term.shape_values(point)
         branches = term.branches(shapes)
-        if branches is None:
+        if isinstance(branches, Unknown):
             raise InputError(
                 f"the term {str(term.term.expr)[:60]} of the law {(law.name or law.text)[:60]} has no branches "
-                "that could be written; call the function instead"
+                "that could be written; call the function instead: ",
+                *branches.reason,
             )
         language = self.language
         bases = [texts[symbols.V], texts[symbols.N], _number(term.size, language)]

@@ -7,26 +7,26 @@ the powers of the weight near v = 0; where both meet in one power, it stands bes
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache, reduce
-from operator import add, mul
+from functools import lru_cache
 
 import sympy as sp
-from flint import acb, arb, arb_series
+from flint import acb, arb
 
-from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.balls import ball_function, ball_value, rational, series_function
+from stickslip_sym.core.balls import ball_function, rational
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.functions import fold, row
+from stickslip_sym.core.functions import Function, elementary, fold, without_overflow
 from stickslip_sym.core.precision import working_precision
+from stickslip_sym.core.special import Erfcx
 from stickslip_sym.criteria.criterion import Criterion
+from stickslip_sym.model.taylor_model import Bound, Expansion, NotAnalytic
 
 _TERMS = 30
 """Terms of a series: (1/4)^30 < 2^-57, so that it holds up to a quarter of its radius of convergence."""
-_BITS = 240  # of working precision, for exponents of two that differ by `_STEP`
 _STEP = 2.0**-60  # to both sides of an exponent, between which a mean has its finite part or its derivative
+_BITS = round(-4 * math.log2(_STEP))  # of working precision, for exponents of two that differ by that
 
 _LIMITS: dict[type[Expr], tuple[int | None, int | None]] = {
     sp.exp: (0, None), sp.tanh: (-1, 1), sp.coth: (-1, 1), sp.sech: (0, 0), sp.csch: (0, 0), sp.erf: (-1, 1),
@@ -36,10 +36,6 @@ _LIMITS: dict[type[Expr], tuple[int | None, int | None]] = {
 
 Powers = dict[tuple[int, int], arb]
 """Coefficients by the exponents of x, in units of the series, and of log(x)."""
-
-
-class Unexpanded(ArithmeticError):
-    """A function has no such series, or its leading term is not certain."""
 
 
 @dataclass(frozen=True)
@@ -63,12 +59,12 @@ class Series:
         return min((exponent for exponent, _ in self.terms), default=self.top)
 
     @property
-    def leading(self) -> tuple[int, arb]:
-        """The lowest exponent and its coefficient, which must be certain and stand alone."""
-        leaders = [(e, c) for (e, _), c in self.terms.items() if e == self.low]
-        if len(leaders) != 1 or (leaders[0][0], 0) not in self.terms or not bool(leaders[0][1] != 0):
-            raise Unexpanded("the leading term is not certain")
-        return leaders[0]
+    def leading(self) -> arb:
+        """The first coefficient, which must be certain and stand alone."""
+        leaders = [(n, c) for (e, n), c in self.terms.items() if e == self.low]
+        if len(leaders) != 1 or leaders[0][0] or not bool(leaders[0][1] != 0):
+            raise NotAnalytic("the leading term is not certain")
+        return leaders[0][1]
 
     def __add__(self, other: "Series") -> "Series":
         terms = dict(self.terms)
@@ -86,12 +82,27 @@ class Series:
                     terms[key] = terms[key] + a * b if key in terms else a * b
         return Series.of(terms, top)
 
-    def without(self, exponent: int, coefficient: arb) -> "Series":
-        """Return the quotient by a term, less 1: what vanishes of it where the term leads."""
-        terms = {(e - exponent, n): c / coefficient for (e, n), c in self.terms.items() if (e, n) != (exponent, 0)}
-        return Series(terms, self.top - exponent)
+    def split(self) -> tuple[arb, "Series"]:
+        """Return the number in it, and what vanishes with x."""
+        start = self.terms.get((0, 0), arb(0))
+        rest = Series({key: c for key, c in self.terms.items() if key != (0, 0)}, self.top)
+        if rest.low <= 0:
+            raise NotAnalytic("a function of a logarithm, or of what grows")
+        return start, rest
 
-    def inserted_in(self, coefficients: list[arb]) -> "Series":
+    def without_first(self) -> "Series":
+        """Return it without its first term."""
+        return Series({key: c for key, c in self.terms.items() if key != (self.low, 0)}, self.top)
+
+    def scaled(self, factor: arb, power: int = 0) -> "Series":
+        """Return it times a number and a power of x."""
+        return Series({(e + power, n): c * factor for (e, n), c in self.terms.items()}, self.top + power)
+
+    def constant(self, value: arb) -> "Series":
+        """Return a number."""
+        return Series.of({(0, 0): value}, math.inf)
+
+    def inserted_in(self, coefficients: Sequence[arb], _bound: Bound | None = None) -> "Series":
         """Return the sum of coefficients times powers of this, which vanishes with x."""
         if not self.terms and self.top == math.inf:
             return Series({(0, 0): coefficients[0]})
@@ -112,111 +123,80 @@ def _beyond(node: Expr, parts: list[Series]) -> Series:
     if node.is_Pow and node.exp.is_negative:
         return Series({})
     if len(others) < len(parts) - 1 or not (node.is_Add or node.is_Mul or (node.is_Pow and node.exp.is_positive)):
-        raise Unexpanded(f"{node} grows in ways that may cancel")
+        raise NotAnalytic(f"{node} grows in ways that may cancel")
     if node.is_Mul:
         for part in others:
             _ = part.leading  # a factor that may be 0 is refused
     return _BEYOND
 
 
-class _Expander:
+class _GeneralExpansion(Expansion[Series]):
     """The algebra of generalised series in x = v, or in x = 1/v far out."""
 
     def __init__(self, point: Mapping[Expr, Expr], unit: int, far: bool) -> None:
-        self.point, self.unit, self.sign = point, unit, -1 if far else 1
+        super().__init__(point, Series({(-unit if far else unit, 0): arb(1)}), _TERMS)
+        self.unit, self.far = unit, far
 
     def __call__(self, node: Expr, parts: list[Series]) -> Series:
-        if node == symbols.v:
-            return Series({(self.sign * self.unit, 0): arb(1)})
-        if not node.has(symbols.v):
-            value = ball_value(node, self.point)
-            if not value.is_finite() or value.imag != 0:
-                raise Unexpanded(f"{node} has no value")
-            return Series.of({(0, 0): value.real}, math.inf)
         if any(part is _BEYOND for part in parts):
             return _beyond(node, parts)
-        if node.is_Add or node.is_Mul:
-            return reduce(add if node.is_Add else mul, parts)
-        if node.is_Pow and node.base is not sp.E:
-            return self._power(parts[0], node.exp.xreplace(dict(self.point)))
-        known = row(node)
-        if known is None or known.ball is None or len(parts) != 1:
-            raise Unexpanded(f"{node} has no series")
-        return self._function(known.kind, parts[0])
+        return super().__call__(node, parts)
 
-    def _power(self, base: Series, exponent: Expr) -> Series:
-        if not exponent.is_Rational:
-            raise Unexpanded(f"the exponent {exponent} is not rational")
+    def power(self, base: Series, exponent: Expr) -> Series:
         if not base.terms and base.top == math.inf and exponent.is_positive:
             return base  # what is smaller than any power
-        low, first = base.leading
-        if exponent.is_Integer:
-            factor = first ** int(exponent)
-        elif bool(first > 0):
-            factor = first ** arb(rational(exponent))
-        else:
-            raise Unexpanded("a root of what is negative")
-        whole, rest = divmod(low * int(exponent.p), int(exponent.q))
-        if rest:
-            raise Unexpanded("the unit of exponents is too large")
-        binomials, power = [arb(1)], arb(rational(exponent))
-        for k in range(_TERMS):
-            binomials.append(binomials[-1] * (power - k) / (k + 1))
-        return Series({(whole, 0): factor}) * base.without(low, first).inserted_in(binomials)
+        return super().power(base, exponent)
 
-    def _function(self, kind: type[Expr], inner: Series) -> Series:
-        if inner.low < 0:
-            return self._far_function(kind, inner)
-        start = inner.terms.get((0, 0), arb(0))
-        rest = Series({key: c for key, c in inner.terms.items() if key != (0, 0)}, inner.top)
-        if kind is sp.log and start == 0:
-            low, first = inner.leading
-            whole = Series({(0, 0): first.log(), (0, 1): arb(rational(sp.Rational(low, self.unit)))})
-            return whole + inner.without(low, first).inserted_in(_taylor(sp.log, arb(1)))
-        if rest.low <= 0:
-            raise Unexpanded("a function of a logarithm")
-        return rest.inserted_in(_taylor(kind, start))
+    def function(self, known: Function, inner: Series) -> Series:
+        grows = inner.low < 0
+        if known.kind is sp.log and (grows or (0, 0) not in inner.terms):
+            return self._logarithm(inner)
+        return self._far_function(known, inner) if grows else super().function(known, inner)
 
-    def _far_function(self, kind: type[Expr], inner: Series) -> Series:
+    def _logarithm(self, inner: Series) -> Series:
+        """Return the logarithm of what vanishes with x, or grows."""
+        low, first = int(inner.low), inner.leading
+        if not first > 0:
+            raise NotAnalytic("a logarithm of what is negative")
+        whole = Series({(0, 0): first.log(), (0, 1): arb(rational(sp.Rational(low, self.unit)))})
+        rest = inner.without_first().scaled(1 / first, -low)
+        return whole + rest.inserted_in(self.coefficients(sp.log, arb(1)))
+
+    def _far_function(self, known: Function, inner: Series) -> Series:
         """Return a function of what grows without bound: far out, or exp(-1/v) near rest."""
-        if self.sign > 0 and kind is not sp.exp:
-            raise Unexpanded(f"{kind.__name__} has an essential singularity")
-        low, first = inner.leading
-        positive = bool(first > 0)
-        if kind is sp.log and positive:
-            whole = Series({(0, 0): first.log(), (0, 1): arb(rational(sp.Rational(low, self.unit)))})
-            return whole + inner.without(low, first).inserted_in(_taylor(sp.log, arb(1)))
+        kind, positive = known.kind, bool(inner.leading > 0)
+        if not self.far and kind is not sp.exp:
+            raise NotAnalytic(f"{known.name} has an essential singularity")
         if kind is sp.atan:
             quarter = Series({(0, 0): (arb.pi() if positive else -arb.pi()) / 2})
-            return quarter + Series({(0, 0): arb(-1)}) * self._function(
-                sp.atan, self._power(inner, sp.Integer(-1))
-            )
-        limit = _LIMITS.get(kind, (None, None))[positive]
+            return quarter + self.function(known, self.power(inner, sp.S.NegativeOne)).scaled(arb(-1))
+        if kind is Erfcx and positive:
+            return self.power(inner, sp.S.NegativeOne).inserted_in(_of_erfcx(_TERMS))
         if kind is sp.exp and positive:
             return _BEYOND
+        limit = _LIMITS.get(kind, (None, None))[positive]
         if limit is None:
-            raise Unexpanded(f"{kind.__name__} has no limit")
-        return Series.of({(0, 0): arb(limit)}, math.inf)
+            raise NotAnalytic(f"{known.name} has no limit")
+        return self.v.constant(arb(limit))
 
 
-def _taylor(kind: type[Expr], start: arb) -> list[arb]:
-    x = sp.Dummy()
-    with working_precision(_BITS, _TERMS + 1):
-        series = series_function(kind(x), x, {})(arb_series([start, 1], prec=_TERMS + 1))
-        coefficients = [series[k] for k in range(_TERMS + 1)]
-    if not all(coefficient.is_finite() for coefficient in coefficients):
-        raise Unexpanded(f"{kind.__name__} is not analytic at {float(start)}")
+def _of_erfcx(count: int) -> list[arb]:
+    """Return the coefficients of erfcx far out in powers of 1/x, a series that diverges (DLMF 7.12.1)."""
+    coefficients, term = [arb(0)] * (count + 1), 1 / arb.pi().sqrt()
+    for k in range(1, count + 1, 2):
+        coefficients[k] = term
+        term *= -arb(k) / 2
     return coefficients
 
 
 def expanded(slope: Expr, point: Mapping[Expr, Expr], unit: int, *, far: bool) -> Series:
     """Return the series of a slope at rest, or in 1/v far out; the exponents are in units of 1/`unit`."""
     try:
-        series = fold(slope, _Expander(point, unit, far))
+        series = fold(without_overflow(elementary(slope)), _GeneralExpansion(point, unit, far))
     except (InputError, ValueError, ZeroDivisionError, OverflowError) as failure:
-        raise Unexpanded(str(failure)) from None
+        raise NotAnalytic(str(failure)) from None
     if series is _BEYOND:
-        raise Unexpanded("it grows faster than any power")
+        raise NotAnalytic("it grows faster than any power")
     return series
 
 
@@ -252,7 +232,7 @@ def near_rest(series: Series, criterion: Criterion, unit: int) -> Series:
     for (e, n), c in series.terms.items():
         mean, beside = _means(criterion, arb(e) / unit)
         if n > 1:
-            raise Unexpanded("a power of a logarithm")
+            raise NotAnalytic("a power of a logarithm")
         _add(terms, (e, n), -c * mean)
         if n:
             _add(terms, (e, 0), -c * beside)
@@ -273,7 +253,7 @@ def far_out(
     for (e, n), c in series.terms.items():
         mean, beside = _means(criterion, -arb(e) / unit)
         if n > 1:
-            raise Unexpanded("a power of a logarithm")
+            raise NotAnalytic("a power of a logarithm")
         # log(1/v) = -log(p) - log(r), and log(1/r) stands in the result.
         _add(terms, (e, n), -c * mean)
         if n:

@@ -18,11 +18,12 @@ from itertools import pairwise
 import numpy as np
 import sympy as sp
 from flint import acb, arb
+from sympy.printing.numpy import NumPyPrinter
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.balls import ball
-from stickslip_sym.core.functions import elementary, row
+from stickslip_sym.core.functions import elementary
 from stickslip_sym.core.numbers import binary_fraction
 from stickslip_sym.core.precision import refined, working_precision
 from stickslip_sym.core.status import Status
@@ -33,24 +34,25 @@ from stickslip_sym.formula.evaluation.branches import Branch, Branches, Sum, Tab
 from stickslip_sym.formula.evaluation.expansion import (
     Powers,
     Series,
-    Unexpanded,
     expanded,
     far_out,
     near_rest,
     unit_of,
 )
-from stickslip_sym.formula.evaluation.interpolation import chebyshev
 from stickslip_sym.formula.evaluation.values import (
     BITS,
     SMALLEST,
     MeanSlope,
-    Unresolved,
     Values,
     scales_of,
     slope_of,
 )
 from stickslip_sym.formula.proof.proving import Verdict
 from stickslip_sym.model.expression.pieces import branch_from, kinks_at
+from stickslip_sym.model.taylor_model import NotAnalytic
+from stickslip_sym.numerics.chebyshev import ball_grid
+from stickslip_sym.numerics.known import Unknown, attempted
+from stickslip_sym.numerics.subdivide import HALVE, Accept, Budget, Decision, Interval, Limits, middle, subdivide
 
 # What each is worth, in seconds, panels and digits, `tests/benchmarks/measure_branches.py` prints.
 _EPSILON = 2.0**-52
@@ -64,17 +66,15 @@ _FARTHEST = 40  # octaves beyond all scales of a profile up to which a closed fo
 _WAVING = (5, 3)  # the same of a profile that waves for ever, whose table ends there
 _STEPS = 12  # octaves from a scale, or from a corner, within which a series begins to hold
 _LARGEST = 2.0**960  # of a coefficient: its products with its power of r stay within range
-_MOST_BITS = 600  # of working precision for an enclosure of the definition: mu cancels by 2 bits an octave at rest
-_OCTAVES = (0.0, 0.4, 1.0, 1.7, 2.5, 4.0, 6.0, 9.0, 13.0, 20.0)
-"""From the end of a series, at which it is compared with balls: beyond, its first terms are left."""
-_NEAR = 7  # of them, at which the last branch is compared with the definition
+_MOST_BITS = 5 * BITS  # for an enclosure of the definition: mu cancels by 2 bits an octave at rest
+_OCTAVES = (0.0, *(0.4 * 1.6**k for k in range(9)))
+"""From the end of a series, at which it is compared with balls: the farther, the fewer terms are left."""
 
 _NODES = 19  # of a panel
 _SMOOTH = 0.5 * _EPSILON  # of <|g'|>: the last coefficients of a panel
 _BETWEEN = (-0.9999, 0.61803)
 """From a panel's middle, over half its width: where it is compared with balls. Its very end may be a kink."""
 _PANELS = 500  # at most; what takes more waves for ever
-_HALVINGS = 48  # of a panel that is not smooth: what is narrower than floats resolve is a kink
 _AT_KINK = 4 * _EPSILON  # relative: what products of a belt speed and powers of parameters are rounded by
 _NEAR_KINK = 1.25  # times r at a kink: up to there the panel's variable is the square root
 
@@ -84,16 +84,17 @@ _POINTS = 16  # in an octave, at which a closed form is compared
 @lru_cache(maxsize=256)
 def branches_of(
     profile: Expr, criterion: Criterion, closed: Expr | None = None, shapes: tuple[tuple[Expr, Expr], ...] = ()
-) -> Branches | None:
-    """Return the branches of F for a profile g(v) at values of all its shapes; None if there are none.
+) -> Branches | Unknown:
+    """Return the branches of F for a profile g(v) at values of all its shapes, or why there are none.
 
     `closed` is F as a formula in V and the shapes.
     """
+
+    def made() -> Branches | Unknown:
+        return _Builder(profile, criterion, closed, dict(shapes)).build()
+
     with working_precision(BITS):
-        try:
-            return _Builder(profile, criterion, closed, dict(shapes)).build()
-        except Unresolved:
-            return None
+        return attempted(made)
 
 
 def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Mapping[Expr, Expr]) -> Verdict:
@@ -151,7 +152,7 @@ def _looked_at(branches: Branches) -> list[float]:
             steps = np.linspace(0, 1, 2 + math.ceil(2 * math.log2(end / start)))
             places += [start * (end / start) ** step for step in steps[:-1]]
         elif start:
-            places += [start * 2.0**k for k in _OCTAVES[:_NEAR]]  # a wave has too many periods beyond
+            places += [start * 2.0**k for k in _OCTAVES if 2 * k < _STEPS]  # a wave has too many periods beyond
         else:
             places += [min(end, 1.0) / 2.0**k for k in _OCTAVES]
         places.append(math.nextafter(end, 0.0) if end < math.inf else places[-1])
@@ -172,19 +173,21 @@ class _Builder:
         self.corners = {float(r): r for r in (kink / (1 if self.local else 2) for kink in self.values.kinks)}
         lowest, highest = scales_of(profile, point)
         self.lowest, self.highest = min([lowest, *self.corners]), max([highest, *self.corners])
-        self.panels = 0
+        self.panels = Budget(_PANELS)
         self.decay = decay_at_rest(self.values.parts[0], point)
 
-    def build(self) -> Branches | None:
-        """Return the branches in order, or None."""
-        if (whole := self._powers_alone()) is not None:
-            return whole
+    def build(self) -> Branches | Unknown:
+        """Return the branches in order, or why there are none."""
+        powers = self._powers_alone()
+        if powers is not None:
+            return powers
         if self.local and self.values.reach < math.inf:
             starts, slopes = (0.0, *self.corners), map(self._at_belt, self.values.parts)
-            whole = Branches(starts, tuple(Sum(0.0, 1.0, ((slope, (1.0,)),)) for slope in slopes))
-        else:
-            whole = self._from_end_to_end()
-        return self._with_means(whole) if self.local and whole is not None else whole
+            return self._with_means(Branches(starts, tuple(Sum(0.0, 1.0, ((slope, (1.0,)),)) for slope in slopes)))
+        whole = self._from_end_to_end()
+        if isinstance(whole, Unknown) or not self.local:
+            return whole
+        return self._with_means(whole)
 
     def _at_belt(self, piece: Expr) -> Expr:
         """Return the falling slope of a piece at the belt's speed."""
@@ -206,7 +209,7 @@ class _Builder:
             starts[first:last], branches[first - 1 : last] = [low, high], [before, mean, after]
         return Branches(tuple(starts), tuple(branches))
 
-    def _from_end_to_end(self) -> Branches | None:
+    def _from_end_to_end(self) -> Branches | Unknown:
         """Return the branches at rest, in between and far out."""
         reach = self.values.reach
         nothing = Sum(0.0, 1.0, ((None, (math.nan,)),))
@@ -216,27 +219,24 @@ class _Builder:
         if last is None and direct is None:
             farthest = next((k for k in (_FARTHEST, *_WAVING) if self._is_tabulated(self.highest * 2.0**k)), None)
             if farthest is None:
-                return None
+                return Unknown(f"{self.profile} varies too often for a table, and has no series far out")
             last = self.highest * 2.0**farthest, nothing
         outer = [pair for pair in (direct, last) if pair is not None]
-        first = self._near_rest(outer[0][0])
-        if first is None:
-            return None
-        (opened, branch), stop = first, outer[0][0]
+        stop = outer[0][0]
+        opened, branch = self._near_rest(stop) or (self.lowest * 2.0**-_FARTHEST, nothing)
         pairs: list[tuple[float, Branch]] = [(0.0, branch)]
         if opened < stop:
-            if (table := self._table(opened, stop)) is None:
-                return None
+            table = self._table(opened, stop)
+            if isinstance(table, Unknown):
+                return table
             pairs.append((opened, table))
         starts, branches = zip(*pairs, *outer, strict=True)
         return Branches(starts, branches)
 
     def _is_tabulated(self, r: float) -> bool:
-        """Whether panels up to a ratio are no narrower than an octave's half, or it is as close as waves allow."""
-        try:
-            return self._fit([], r / 2, r, None, 1 if r > self.highest * 2.0 ** _WAVING[0] else _HALVINGS)
-        except Unresolved:
-            return False
+        """Whether few panels are enough in the octave up to a ratio, or it is as close as waves allow."""
+        halvings = 2 if r > self.highest * 2.0 ** _WAVING[0] else math.inf
+        return not isinstance(attempted(self._panels, r / 2, r, None, halvings), Unknown)
 
     def _powers_alone(self) -> Branches | None:
         """Return the average of a sum of whole powers of v, or of one power, by the moments of the weight."""
@@ -275,7 +275,7 @@ class _Builder:
                 pair = self._written(series * factor, unit, -1, min(edge, self.lowest * 2.0**_STEPS), decay)
                 if pair is not None and (best is None or pair[0] > best[0]):
                     best = pair
-        except Unexpanded:
+        except NotAnalytic:
             return None
         return best
 
@@ -300,7 +300,7 @@ class _Builder:
                 whole = far_out(series, self.criterion, unit, end, weight, moments)
                 if (pair := self._written(whole, unit, 1, float(end) / 2, None)) is not None:
                     return pair
-        except Unexpanded:
+        except NotAnalytic:
             pass
         return None
 
@@ -331,13 +331,14 @@ class _Builder:
             return None
         if not self.local and not all(_is_fast(function) for function in self.closed.atoms(sp.Function)):
             return None
-        branch = _as_sum(self.closed)
-        if branch is None:
-            return None
         octaves = np.arange(-4, np.log2(stop), 1 / _POINTS)
         r = 2.0 ** octaves[::-1]
-        count = self._agreed(branch, r)
-        return (float(r[count - 1]), branch) if count >= _POINTS // 2 else None  # fewer may be luck
+        for spelling in (sp.expand(self.closed), self.closed):  # expanded, 1 - exp(-V) may become exp(V) - 1
+            branch = _as_sum(spelling)
+            count = 0 if branch is None else self._agreed(branch, r)
+            if branch is not None and count >= _POINTS // 2:  # fewer may be luck
+                return float(r[count - 1]), branch
+        return None
 
     def _agreed(self, branch: Sum, r: FloatArray) -> int:
         """Return at how many of some r, from the first on, a branch agrees with balls."""
@@ -349,16 +350,18 @@ class _Builder:
                 return i
         return r.size
 
-    def _table(self, start: float, stop: float) -> Table | None:
-        """Fit F by a polynomial in each of some panels, as many as it takes; None where that is too many."""
+    def _table(self, start: float, stop: float) -> Table | Unknown:
+        """Fit F by a polynomial in each of some panels, as many as it takes."""
         halves = np.arange(np.floor(2 * np.log2(start)), np.ceil(2 * np.log2(stop)) + 1) / 2
         inside = [*2.0**halves, *self.corners, *(_NEAR_KINK * corner for corner in self.corners)]
         edges = [start, *sorted({float(x) for x in inside if start < x < stop}), stop]
         rows: list[list[float]] = []
         for left, right in pairwise(edges):
             rooted = left in self.corners and not (self.local or self.criterion.is_polynomial)
-            if not self._fit(rows, left, right, left if rooted else None, _HALVINGS):
-                return None
+            panels = self._panels(left, right, left if rooted else None)
+            if isinstance(panels, Unknown):
+                return panels
+            rows += panels
         return Table(np.array(rows), None if self.decay is None else self.decay.function)
 
     def _fitted(self, r: arb) -> arb:
@@ -366,45 +369,61 @@ class _Builder:
         value = self.values(r)
         return value if self.decay is None else value / self.decay.ball(2 * r)
 
-    def _fit(
-        self, rows: list[list[float]], left: float, right: float, origin: float | None, halvings: int
-    ) -> bool:
-        """Add the panel between two r, or its halves where one polynomial is not enough; say whether that did."""
-        self.panels += 1
+    def _panels(
+        self, left: float, right: float, origin: float | None, halvings: float = math.inf
+    ) -> list[list[float]] | Unknown:
+        """Return rows of a table between two r, whose panels are halved until one polynomial is enough.
+
+        - `origin`: beyond which the square root is the variable.
+        """
+
+        def look(intervals: Sequence[Interval[float, None]]) -> list[Decision[list[float], None]]:
+            return [self._panel(one.low, one.high, origin) for one in intervals]
+
+        def middle_in_root(low: float, high: float) -> float:
+            assert origin is not None
+            return float(origin + middle(math.sqrt(low - origin), math.sqrt(high - origin)) ** 2)
+
+        cut = middle if origin is None else middle_in_root
+        limits = Limits(self.panels, halvings=halvings)
+        return subdivide([(left, right)], look, limits=limits, cut=cut, to_first_open=True).complete()
+
+    def _panel(self, left: float, right: float, origin: float | None) -> Decision[list[float], None]:
+        """Accept the polynomial through values between two r if it is smooth, and holds between them."""
         low, high = (left, right) if origin is None else (np.sqrt(left - origin), np.sqrt(right - origin))
-        centre, half = (low + high) / 2, (high - low) / 2
-        if not low < centre < high:
-            return False
-        y = [arb(centre) + t * arb(half) for t in chebyshev(_NODES).nodes]
-        values = [self._fitted(x if origin is None else self.corners[origin] + x * x) for x in y]
-        coefficients = chebyshev(_NODES).coefficients(values)
-        middle = (left + right) / 2 if origin is None else float(origin + centre**2)
+        centre, half, grid = (low + high) / 2, (high - low) / 2, ball_grid(_NODES)
+
+        def value_at(t: arb) -> arb:
+            x = arb(centre) + t * arb(half)
+            return self._fitted(x if origin is None else self.corners[origin] + x * x)
+
+        values = [value_at(t) for t in grid.nodes]
+        coefficients = grid.coefficients(values)
+        between = centre if origin is None else float(origin + centre**2)
         size = abs(float(coefficients[0]))
         if self.decay is None:
-            size = max(self.values.mean_slope(np.array([left, middle, right])).min(), size)
+            size = max(self.values.mean_slope(np.array([left, between, right])).min(), size)
         else:  # what is smaller than any float is not resolved, and is 0 in floats
             size = max(float(arb(SMALLEST) / self.decay.ball(arb(2 * right))), size)
-        smooth = max(abs(float(c)) for c in coefficients[-2:]) <= _SMOOTH * size
+        if not max(abs(float(c)) for c in coefficients[-2:]) <= _SMOOTH * size:
+            return HALVE
         # An average of the slope is smooth on its whole width; the slope itself may be narrow between the nodes.
-        if smooth and (not self.local or self.values.bounded(left, right, max(abs(float(x)) for x in values))):
-            powers = chebyshev(_NODES).monomials(coefficients)
-            for t in _BETWEEN:
-                x = arb(centre) + arb(t) * arb(half)
-                value = self._fitted(x if origin is None else self.corners[origin] + x * x)
-                if not abs(float(powers(arb(t)) - value)) <= _UNITS * _EPSILON * size:
-                    break
-            else:
-                row = [float(powers[k]) for k in range(_NODES)]
-                rows.append([left, math.nan if origin is None else origin, centre, 1 / half, *row])
-                return True
-        return halvings > 0 and self.panels < _PANELS and all(
-            self._fit(rows, *part, origin, halvings - 1) for part in ((left, middle), (middle, right))
-        )  # fmt: skip
+        if self.local and not self.values.bounded(left, right, max(abs(float(x)) for x in values)):
+            return HALVE
+        powers = grid.powers(coefficients)
+        for t in _BETWEEN:
+            if not abs(float(powers(arb(t)) - value_at(arb(t)))) <= _UNITS * _EPSILON * size:
+                return HALVE
+        row = [float(powers[k]) for k in range(_NODES)]
+        return Accept([left, math.nan if origin is None else origin, centre, 1 / half, *row])
 
 
 def _is_fast(function: Expr) -> bool:
-    known = row(function)
-    return known is not None and (known.python or "").startswith("np.")
+    """Whether NumPy has a function, itself or as a quotient."""
+    return function.func.__name__ in _OF_NUMPY or isinstance(function, sp.sech | sp.coth | sp.csch)
+
+
+_OF_NUMPY = {name for name, text in NumPyPrinter().known_functions.items() if text.startswith("numpy.")}
 
 
 def _sum(power: Expr, variable: Expr, parts: Sequence[tuple[Expr | None, tuple[float, ...]]]) -> Sum:
@@ -467,10 +486,10 @@ def _of_series(terms: Powers, unit: int, side: int, function: Expr | None) -> Su
 
 
 def _as_sum(closed: Expr) -> Sum | None:
-    """Write a closed form as polynomials in 1/V times functions, times one power of V."""
+    """Write a closed form, a sum, as polynomials in 1/V times functions, times one power of V."""
     V = symbols.V
     groups: dict[Expr, dict[int, Expr]] = {}
-    for term in sp.Add.make_args(sp.expand(closed)):
+    for term in sp.Add.make_args(closed):
         coefficient, rest = term.as_independent(V, as_Add=False)
         power, function = sp.Integer(0), rest
         for factor in sp.Mul.make_args(rest):

@@ -23,6 +23,7 @@ from stickslip_sym.formula.evaluation.branches import Branches, alike
 from stickslip_sym.formula.evaluation.making import branches_of
 from stickslip_sym.formula.evaluation.values import BITS, reach_of
 from stickslip_sym.model.terms import Term
+from stickslip_sym.numerics.known import Unknown
 
 _BITS = 900.0  # binary exponents that no product may pass, lest something overflows on the way
 _CANCELLED = 4.0  # the sum of the sizes in a factor over the size of their sum, from where balls are asked
@@ -79,7 +80,7 @@ class TermFunction:
         self._base_functions = [_function_of_base(base, arguments) for base in self.bases]
         self._shapes = [function_of(arguments, meaning, "numpy") for meaning in term.shapes.values()]
         self._asked: dict[tuple[float, ...], int] = {}
-        self._branches: dict[tuple[float, ...], tuple[Branches | None, float]] = {}
+        self._branches: dict[tuple[float, ...], tuple[Branches, float] | Unknown] = {}
 
     def shape_values(self, values: Sequence[float]) -> tuple[float, ...]:
         """Return the values of the shapes at some values of the arguments."""
@@ -89,13 +90,13 @@ class TermFunction:
         """Return the symbols of the shapes with values as rationals."""
         return dict(zip(self.average.shapes, map(binary_fraction, shapes), strict=True))
 
-    def branches(self, shapes: tuple[float, ...] = ()) -> Branches | None:
-        """Return the branches for values of the shapes; None if there are none."""
+    def branches(self, shapes: tuple[float, ...] = ()) -> Branches | Unknown:
+        """Return the branches for values of the shapes, or why there are none."""
         average = self.average
         try:
             average.require_integrable()
-        except NoClosedForm:  # a call refuses it, or another term cancels what is infinite
-            return None
+        except NoClosedForm as error:  # a call refuses it, or another term cancels what is infinite
+            return Unknown(*error.args)
         closed = None if average.profile.has(sp.Piecewise) else average.closed  # of many pieces it takes long
         return branches_of(average.profile, average.criterion, closed, tuple(self.exact_shapes(shapes).items()))
 
@@ -140,9 +141,10 @@ class TermFunction:
             if shapes and asked < _WORTH_BRANCHES:
                 return math.nan
             self._branches[shapes] = self._with_largest(self.branches(shapes))
-        branches, largest = self._branches[shapes]
-        if branches is None:
+        made = self._branches[shapes]
+        if isinstance(made, Unknown):
             return math.nan
+        branches, largest = made
         factors = [values[0], values[1], *[base(values) for base in self._base_functions]]
         unsafe = _outside(factors, largest)
         if unsafe is False:
@@ -155,10 +157,10 @@ class TermFunction:
             result[i] = self._apart(branches, *(float(array[i]) for array in arrays))
         return result
 
-    def _with_largest(self, branches: Branches | None) -> tuple[Branches | None, float]:
-        """Return the size that V, N and the bases may have so that no product of their powers overflows."""
-        if branches is None:
-            return None, 0.0
+    def _with_largest(self, branches: Branches | Unknown) -> tuple[Branches, float] | Unknown:
+        """Add the size that V, N and the bases may have so that no product of their powers overflows."""
+        if isinstance(branches, Unknown):
+            return branches
         total = 2.0 + branches.steepest + sum(map(abs, self.amplitude))
         total += (1 + branches.steepest) * sum(map(abs, self.ratio))
         return branches, float(2.0 ** (_BITS / total))

@@ -23,30 +23,42 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_value, rational, series_function
 from stickslip_sym.core.deadline import check_time
-from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.functions import arguments, without_squares
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import binary_fraction
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.formula.evaluation.interpolation import legendre
 from stickslip_sym.model.expression.pieces import branch_from, jumps, kinks_at
 from stickslip_sym.model.taylor_model import balls_from_rest, in_floats
+from stickslip_sym.numerics.chebyshev import gauss_grid
+from stickslip_sym.numerics.known import Unknown, required
+from stickslip_sym.numerics.subdivide import (
+    HALVE,
+    Accept,
+    Budget,
+    Decision,
+    Interval,
+    Limits,
+    boundary,
+    exact_middle,
+    shown,
+    subdivide,
+)
 
 BITS = 110
 """The working precision of values."""
 SMALLEST = 2.0**-1000
 """What is less counts as 0: floats end there."""
 
-_ENOUGH = 70  # bits of relative accuracy that a value of the closed form needs
-_PLACES = (0.3, 0.6, 0.9, 2.2, 17.0)  # r at which a closed form is checked, over 1 or the largest one
+_PLACES = tuple(0.3 * 2.7**k for k in range(5))  # r at which a closed form is checked, over 1 or the largest one
 _SAME = 2.0**-40  # by which it agrees
 
 _NODES = 32  # in a piece
 _RESOLVED = 2.0**-66  # of the slope in a piece: its last two coefficients
-_INTEGRATED = 2.0**-31  # of the same in the innermost panel, where the rule alone counts: it has twice the order
-_EXACT = 2.0**-80  # of the largest coefficient: the last ones that are smaller are left out
-_NEGLIGIBLE = 2.0**-72  # of the moment of |g'|: a piece that need not be resolved
+_INTEGRATED = math.sqrt(_RESOLVED)  # in the innermost panel, where the rule alone counts: it has twice the order
+_NEGLIGIBLE = _RESOLVED / 64  # of the moment of |g'|, or of the largest coefficient: what is left out
+_ENOUGH = 4 - math.log2(_RESOLVED)  # bits of relative accuracy that a value of the closed form needs
 _NOISE = 8  # times the radius of a ball around the slope: where the slope cancels no piece is resolved better
 _MOST_PIECES = 80  # in an octave: a value takes all of them, and a table takes thousands of values
 _MOST_WORK = 20_000  # pieces that all values may take, for each kink: some seconds; balls give single values then
@@ -55,9 +67,9 @@ _QUARTERS = 5  # halvings of a piece for balls that bound its slope
 _ORDER = 8  # of a power series that bounds it, where terms cancel
 _EXPANSION = 80  # terms of a weight that is no polynomial, which is expanded up to r
 _CLOSE = 5  # octaves from r to the innermost panel, at least
-_DEEP = 800  # bits of working precision in the innermost panel, which ends 40 octaves below 1 with x to the 16th
 _DEEPEST = -40  # octaves below that of the lowest kink, or below 1, where the innermost panel is looked for
 _LARGEST_ORDER = 16
+_DEEP = BITS - _DEEPEST * _LARGEST_ORDER  # bits of working precision there, for differences between such powers
 _P, _Q = sp.symbols("p q", cls=sp.Dummy)
 _HIGHEST = 25  # coefficients of a polynomial whose roots are computed exactly
 _LONGEST_LOG = 600.0  # of a scale: no speed in floats is further from 1 by its square
@@ -84,15 +96,11 @@ class _Piece:
     average: arb_poly
 
 
-class Unresolved(ArithmeticError):
-    """No number of panels gives the values of an average: its profile waves for ever."""
-
-
 class Values:
     """F(r) of a profile g(v) at values of its shapes, as a function of balls of the working precision `BITS`.
 
     `closed` is F as a formula in V; it is forgotten where it is not the average by the Gauss rule too, at a few
-    places. A function that has no balls is refused.
+    places, or cancels at all of them. A function that has no balls is refused.
     """
 
     def __init__(
@@ -121,7 +129,6 @@ class Values:
         self._pieces: dict[int, list[_Piece]] = {}
         self._resolved_pieces: dict[tuple[float, float], list[_Piece]] = {}
         self._work = 0  # pieces that all values so far took
-        self._left = 0  # pieces that an octave may still have
         self._close = max(_CLOSE, self._order)
         lowest = math.frexp(scales_of(profile, point)[0])[1]
         highest = min([lowest - self._close, *(math.frexp(float(kink))[1] - 1 for kink in self.kinks)])
@@ -131,14 +138,21 @@ class Values:
         if closed is not None:
             with suppress(InputError):  # a special function that has no balls; the rule has no need of it
                 self._formula = ball_function(closed, symbols.V, point)
+        if not self._is_formula_known():
+            self._formula = None
+
+    def _is_formula_known(self) -> bool:
+        """Whether the closed form has digits at some places, and agrees with the rule wherever it has."""
+        pairs = list[tuple[arb, arb]]()
         for share in _PLACES:
             r = arb(share * min(self.reach / 40, 1.0))
             value = self._by_formula(r)
-            if value is not None and not bool(abs(value - self._by_rule(r)) <= _SAME * abs(value)):
-                self._formula = None
+            if value is not None:
+                pairs.append((value, self._by_rule(r)))
+        return bool(pairs) and all(bool(abs(value - other) <= _SAME * abs(value)) for value, other in pairs)
 
     def __call__(self, r: arb) -> arb:
-        """Return F(r), or raise `Unresolved`, or `OutOfTime` when the time of a `time_limit` is up."""
+        """Return F(r), or raise `NotConverged`, or `OutOfTime` when the time of a `time_limit` is up."""
         check_time()
         value = self._by_formula(r)
         return self._by_rule(r) if value is None else value
@@ -165,7 +179,7 @@ class Values:
         below, near = pieces[count - 1], [piece for piece in pieces[count:] if piece.low < 2 * r]
         self._work += len(near)
         if self._work > _MOST_WORK * (1 + len(self.kinks)):
-            raise Unresolved(f"{self.profile} is too narrow in too many places for a table")
+            raise NotConverged(f"{self.profile} is too narrow in too many places for a table")
         p = below.high / r
         total = below.average(p) * (arb(1) if polynomial else p.sqrt()) / r
         total += self._by_polynomials(near, r) if polynomial else self._by_roots(near, r)
@@ -219,8 +233,7 @@ class Values:
             high = min([octave, arb(self.end), *(kink.mid() for kink in self.kinks if low < kink.mid())])
             key = float(low), float(high)
             if key not in self._resolved_pieces:
-                self._left = _MOST_PIECES
-                self._resolved_pieces[key] = self._resolved(low, high, below.moment)
+                self._resolved_pieces[key] = required(self._resolved(low, high, below.moment))
             for piece in self._resolved_pieces[key]:
                 ratio = (below.high / piece.high).mid()
                 before = below.average(arb_poly([0, ratio]))
@@ -233,56 +246,62 @@ class Values:
     def _innermost(self, octave: int) -> tuple[Samples, bool]:
         """Return samples from 0 to 2^octave, and whether the slope is resolved there."""
         end, order = arb(2) ** octave, self._order
-        slope, rule = self._slope(end), legendre(_NODES)
+        slope, (rule, weights) = self._slope(end), gauss_grid(_NODES)
         u = [(1 + t) / 2 for t in rule.nodes]
         places = [(end * x**order).mid() for x in u]
         rates = [order * end * x ** (order - 1) / 2 for x in u]
         with working_precision(_DEEP):  # so near to v = 0 differences vanish
             balls = [slope(acb(x), False).real * rate for x, rate in zip(places, rates, strict=True)]
-        heights, noise = _heights(balls)
+        heights, noise = required(_heights(balls))
         sizes = [abs(float(c)) for c in rule.coefficients(heights)]
-        samples = [(x, h * w) for x, h, w in zip(places, heights, rule.weights, strict=True)]
+        samples = [(x, h * w) for x, h, w in zip(places, heights, weights, strict=True)]
         return samples, max(sizes[-2:]) <= _INTEGRATED * max(sizes) + _NOISE * noise
 
-    def _resolved(self, low: arb, high: arb, below: arb) -> list[_Piece]:
-        """Return the slope between two places as one polynomial, or as those of both halves; `below` is a moment.
+    def _resolved(self, low: arb, high: arb, below: arb) -> list[_Piece] | Unknown:
+        """Return the slope between two speeds as polynomials, halved until each holds; `below` is a moment."""
 
-        A slope that stays no polynomial, however often it is halved, is `Unresolved`.
-        """
-        middle, half, rule = ((low + high) / 2).mid(), (high - low) / 2, legendre(_NODES)
+        def look(intervals: Sequence[Interval[arb, None]]) -> list[Decision[_Piece, None]]:
+            return [self._polynomial(one.low, one.high, below) for one in intervals]
+
+        limits = Limits(Budget(_MOST_PIECES))
+        return subdivide([(low, high)], look, limits=limits, cut=exact_middle, to_first_open=True).complete()
+
+    def _polynomial(self, low: arb, high: arb, below: arb) -> Decision[_Piece, None]:
+        """Accept the polynomial through values of the slope between two speeds if it is smooth, or negligible."""
+        middle, half, (rule, weights) = ((low + high) / 2).mid(), (high - low) / 2, gauss_grid(_NODES)
         slope, places = self._slope(middle), [(middle + t * half).mid() for t in rule.nodes]
-        heights, noise = _heights([slope(acb(x), False).real for x in places])
-        samples = [(x, h * w * half) for x, h, w in zip(places, heights, rule.weights, strict=True)]
+        values = _heights([slope(acb(x), False).real for x in places])
+        if isinstance(values, Unknown):
+            return values
+        heights, noise = values
+        samples = [(x, h * w * half) for x, h, w in zip(places, heights, weights, strict=True)]
         coefficients = [c.mid() for c in rule.coefficients(heights)]
         sizes, moment = [abs(float(c)) for c in coefficients], self._moment(samples)
         smooth = max(sizes[-2:]) <= _RESOLVED * max(sizes) + _NOISE * noise
         power = max(1, int(sp.ceiling(self.criterion.order_at_rest)))
         negligible = (_NEGLIGIBLE * below / ((high - low) * high**power)).max(arb(SMALLEST))
         most = (_OVERSHOOT * max(map(abs, heights), key=float)).max(negligible) if smooth else negligible
-        if self._bounded(slope, low, high, most, _QUARTERS):
-            least = max(_EXACT * max(sizes), noise)
-            kept = max((k for k, size in enumerate(sizes, 1) if size > least), default=1)
-            polynomial = _middles(rule.monomials(coefficients[:kept]))
-            return [_Piece(low, high, polynomial, moment, self._average(samples, high))]
-        self._left -= 2
-        if self._left < 0 or not bool(low < middle):
-            raise Unresolved(f"{self.profile} is not resolved at v = {float(places[0]):g}")
-        parts = ((low, middle), (middle, high))
-        return [piece for part in parts for piece in self._resolved(*part, below)]
+        if not self._bounded(slope, low, high, most):
+            return HALVE
+        least = max(_NEGLIGIBLE * max(sizes), noise)
+        kept = max((k for k, size in enumerate(sizes, 1) if size > least), default=1)
+        polynomial = _middles(rule.powers(coefficients[:kept]))
+        return Accept(_Piece(low, high, polynomial, moment, self._average(samples, high)))
 
     def bounded(self, low: float, high: float, most: float) -> bool:
         """Say whether the slope nowhere between two speeds exceeds the largest at some, several times over."""
         bound = (arb(most) * _OVERSHOOT).max(arb(SMALLEST))
-        return self._bounded(self._slope(arb(low + high) / 2), arb(low), arb(high), bound, _QUARTERS)
+        return self._bounded(self._slope(arb(low + high) / 2), arb(low), arb(high), bound)
 
-    def _bounded(self, slope: BallFunction, low: arb, high: arb, most: arb, halvings: int) -> bool:
+    def _bounded(self, slope: BallFunction, low: arb, high: arb, most: arb) -> bool:
         """Say whether balls hold the slope between two speeds below a bound: nothing narrow is missed there."""
-        middle, half = ((low + high) / 2).mid(), (high - low) / 2
-        ball = slope(acb(arb(middle, half.abs_upper())), False).real
-        if ball.is_finite() and (bool(abs(ball) <= most) or self._bounded_by_series(middle, half, most)):
-            return True
-        parts = ((low, middle), (middle, high))
-        return halvings > 0 and all(self._bounded(slope, *part, most, halvings - 1) for part in parts)
+
+        def holds(low: arb, high: arb, _: int) -> bool:
+            middle, half = ((low + high) / 2).mid(), (high - low) / 2
+            ball = slope(acb(arb(middle, half.abs_upper())), False).real
+            return ball.is_finite() and (bool(abs(ball) <= most) or self._bounded_by_series(middle, half, most))
+
+        return shown(holds, [(low, high)], halvings=_QUARTERS, cut=exact_middle)
 
     def _bounded_by_series(self, middle: arb, half: arb, most: arb) -> bool:
         """Say the same by a power series, whose remainder counts less where terms of the slope cancel."""
@@ -344,10 +363,10 @@ def _reals(exprs: Iterable[Expr], point: Mapping[Expr, Expr]) -> list[arb]:
     return [ball_value(expr, point).real for expr in exprs]
 
 
-def _heights(balls: Sequence[arb]) -> tuple[list[arb], float]:
+def _heights(balls: Sequence[arb]) -> tuple[list[arb], float] | Unknown:
     """Return the middles of balls, 0 for a constant that cancels and leaves a ball, and the largest radius."""
     if not all(ball.is_finite() for ball in balls):
-        raise Unresolved("a slope that is not enclosed")
+        return Unknown("the slope of mu is not enclosed there")
     return [arb(0) if ball.contains(0) else ball.mid() for ball in balls], max(float(ball.rad()) for ball in balls)
 
 
@@ -490,12 +509,13 @@ def _first_zero(expr: Expr, point: Mapping[Expr, Expr]) -> float:
     changes = np.flatnonzero(signs[1:] * signs[:-1] <= 0)
     if not changes.size:
         return np.inf
-    low, high = _GRID[changes[0]], _GRID[changes[0] + 1]
-    with np.errstate(all="ignore"):
-        while low < (middle := (low + high) / 2) < high:
-            below = np.sign(function(middle, *values)) == signs[changes[0]]
-            low, high = (middle, high) if below else (low, middle)
-    return float(low)
+    first = changes[0]
+
+    def is_below(v: float) -> bool:
+        with np.errstate(all="ignore"):
+            return bool(np.sign(function(v, *values)) == signs[first])
+
+    return boundary(is_below, float(_GRID[first]), float(_GRID[first + 1]), 0.0)[0]
 
 
 def _positive_zeros(expr: Expr, point: Mapping[Expr, Expr]) -> list[float] | None:
