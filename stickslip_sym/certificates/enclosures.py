@@ -14,8 +14,8 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.remedies import Call
-from stickslip_sym.criteria.at_rest import vanishing
 from stickslip_sym.criteria.criterion import Criterion
+from stickslip_sym.criteria.decay import vanishing
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.output import printing
 from stickslip_sym.output.sections import sections

@@ -23,8 +23,8 @@ from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_val
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.numbers import Number, fraction
 from stickslip_sym.core.precision import refined, working_precision
-from stickslip_sym.criteria.at_rest import bound_below, start_of, vanishing
 from stickslip_sym.criteria.criterion import Criterion, CriterionName
+from stickslip_sym.criteria.decay import bound_below, start_of, vanishing
 from stickslip_sym.criteria.quadrature import MOST_DIGITS, read_operating_point
 from stickslip_sym.model.expression.pieces import branch_from, kinks_at
 from stickslip_sym.model.law import FrictionLaw

@@ -10,7 +10,7 @@
   the call of the kernel, translates it, and no code goes further.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import NoReturn, ParamSpec, TypeVar
 
@@ -61,16 +61,6 @@ def required(value: X | Unknown) -> X:
     if isinstance(value, Unknown):
         raise NotConverged(*value.reason)
     return value
-
-
-def all_known(values: Iterable[X | Unknown]) -> list[X] | Unknown:
-    """Return all values, or the first that is not known."""
-    collected = list[X]()
-    for value in values:
-        if isinstance(value, Unknown):
-            return value
-        collected.append(value)
-    return collected
 
 
 def attempted(

@@ -5,7 +5,7 @@ import pytest
 
 import stickslip_sym as ss
 from stickslip_sym.core.remedies import Argument
-from stickslip_sym.numerics.known import Column, Unknown, all_known, attempted, required
+from stickslip_sym.numerics.known import Column, Unknown, attempted, required
 
 WHY, OTHER = Unknown("too many steps; try ", Argument("rtol", 1e-6)), Unknown("it left the table")
 
@@ -32,8 +32,6 @@ def test_a_reason_is_the_message_of_an_error_with_its_remedy():
     with pytest.raises(ss.OutOfTime):
         attempted(lambda: (_ for _ in ()).throw(ss.OutOfTime("late")))
     assert attempted(lambda: WHY) is WHY
-    assert all_known([1, 2]) == [1, 2]
-    assert all_known([1, OTHER, WHY]) is OTHER
 
 
 def column():

@@ -10,7 +10,7 @@ What a law and its averages do at rest and far out is asked in five places, each
   terms cancel.
 - `expansion`: by the same algebra, with logarithms and fractional powers, also far out, without a bound: branches
   of an average at both ends, which balls confirm.
-- `criteria.at_rest`: how fast a term falls that has no series, as exp(-g/v), and bounds of it.
+- `criteria.decay`: how fast a term falls that has no series, as exp(-g/v), and bounds of it.
 - `model.limit_at_rest`: a limit by rules of SymPy, where no parameter has a value, or no series exists.
 - `formula.limits`: what a criterion tends to, with letters for the parameters.
 """

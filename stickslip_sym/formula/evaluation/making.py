@@ -27,8 +27,8 @@ from stickslip_sym.core.functions import elementary
 from stickslip_sym.core.numbers import binary_fraction
 from stickslip_sym.core.precision import refined, working_precision
 from stickslip_sym.core.status import Status
-from stickslip_sym.criteria.at_rest import decay_at_rest
 from stickslip_sym.criteria.criterion import Criterion
+from stickslip_sym.criteria.decay import decay_at_rest
 from stickslip_sym.criteria.enclosure import average_ball
 from stickslip_sym.formula.evaluation.branches import Branch, Branches, Sum, Table, value_of
 from stickslip_sym.formula.evaluation.expansion import (

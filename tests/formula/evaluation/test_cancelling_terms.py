@@ -115,3 +115,31 @@ def test_a_logarithm_over_v_has_an_average():
     law = law_of("mu_k + d*log(1 + v/v_0)*v_0/v", mu_k=0.2, d=0.3, v_0=0.4)
     exact = float(ss.enclose(law, V=0.5, N=1, digits=17))
     assert math.isclose(ss.slope_average(law)(V=0.5, N=1), exact, rel_tol=8 * EPS)
+
+
+WITHOUT_SERIES = [
+    ("0.2 + 0.6*exp(-(0.3*log(v/0.005)/log(10))^2)", "equilibrium", 1e-9, 1e6),
+    ("0.2 + 0.6*exp(-(0.3*log(v/0.005)/log(10))^2)", "harmonic", 1e-9, 1e6),
+    ("0.3 + 0.2/(1 + log(v/0.1)^2)", "equilibrium", 1e-9, 1e6),
+    ("0.3 + 0.1*(v/0.2)/(exp(v/0.2) - 1)", "equilibrium", 1e-9, 50.0),
+    ("0.3 + 0.1*(coth(v/0.1) - 0.1/v)", "harmonic", 1e-9, 1e6),
+    ("0.5*exp((v/0.1)^2)*erfc(v/0.1)", "harmonic", 1e-9, 1e6),
+]
+
+
+@sweep(("text", "criterion", "low", "high"), WITHOUT_SERIES, WITHOUT_SERIES[0], WITHOUT_SERIES[3])
+def test_code_of_laws_with_logarithms_is_written(text, criterion, low, high):
+    """Over decades about the law's own speed; farther out code gives NaN, and a call asks balls."""
+    average = ss.slope_average(text, criterion)
+    exec(average.code("python"), module := {})
+    V = np.geomspace(low, high, 7)
+    exact = [float(ss.enclose(text, criterion, V=float(x), N=2.0, digits=17)) for x in V]
+    assert module["damping"](V, 2.0) == pytest.approx(exact, rel=16 * EPS)
+
+
+def test_a_product_of_what_overflows_has_floats():
+    """exp(x^2) erfc(x) beyond x = 27, by its asymptotic series; a product of other arguments stays as it is."""
+    law, x = ss.FrictionLaw("0.5*exp(v^2)*erfc(v)"), 400.0
+    assert law.mu(x) == pytest.approx(0.5 / math.sqrt(math.pi) / x * (1 - 0.5 / x**2), rel=1e-9)
+    other = ss.FrictionLaw("0.5*exp(v)*erfc(v)")
+    assert other.mu(2.0) == pytest.approx(0.5 * math.exp(2.0) * math.erfc(2.0), rel=1e-14)

@@ -8,6 +8,7 @@ import subprocess
 import accuracy
 import numpy as np
 import pytest
+import sympy as sp
 from accuracy import MOST_UNITS
 from commands import stickslip
 from forms import NO_LEAST_SQUARES, agrees, form_of
@@ -15,6 +16,9 @@ from languages import PROGRAMS, compiled, runs, values_of
 from sweeps import sweep
 
 import stickslip_sym as ss
+from stickslip_sym.core.special import Lerch
+from stickslip_sym.formula.code.languages import LANGUAGES
+from stickslip_sym.formula.code.writer import text_of as written
 from stickslip_sym.formula.transition_speeds import transition_speeds
 from stickslip_sym.output.printing import text as text_of
 
@@ -166,6 +170,19 @@ def test_several_criteria_in_one_file(language, tmp_path):
     for form, point, value in zip(forms[:-1], points, values, strict=False):
         assert accuracy.units(form, point, np.array([value])).max() <= MOST_UNITS, form
     assert values[-1] == pytest.approx(forms[-1](**points[-1])[0], rel=1e-12)
+
+
+@pytest.mark.parametrize("language", LANGUAGES.values(), ids=LANGUAGES)
+def test_no_part_of_written_code_overflows_and_numbers_are_read_back(language):
+    """SymPy's printers would write hyperbolic functions by exponentials, and a third as 1/3 or in 15 digits."""
+    x = ss.symbols.V
+    text = written(sp.sech(x) + sp.coth(x) + sp.Rational(1, 3) * sp.csch(x), {x: "x"}, language)
+    assert "exp" not in text
+    assert all(name in text for name in ("cosh", "tanh", "sinh"))
+    number = 0.1 + 0.2
+    assert repr(number) in written(sp.Float(number, 40) * x, {x: "x"}, language)
+    with pytest.raises(ss.InputError, match="lacks one of Lerch"):
+        written(Lerch(-x, 2, sp.S.Half), {x: "x"}, language)
 
 
 def test_code_of_one_form_is_its_own():
