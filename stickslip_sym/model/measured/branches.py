@@ -8,7 +8,6 @@ in what is sought: an offset times the direction, and a polynomial of the speed,
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +23,9 @@ _TURN = 0.1  # of the range of speeds: a smaller return of the speed is jitter, 
 _FLAT = 0.02  # relative: rows this near to a turn's speed dwell there, half of them on each branch
 _FEWEST = 4  # speeds of a branch; rows in random order turn after one or two
 _IN_ORDER = 0.8  # share of the rows that belong to such branches where speeds were swept
+_MANY = 50_000  # rows, of which stretches tell whether they are in random order
+_STRETCH, _STRETCHES = 500, 20
+_PASSED = 64  # rows that are looked at together for a turn
 _HIGHEST = 4  # degree of the hysteresis in the share of rows below a speed
 _COLUMNS = 4, 30  # fewest and most columns of the smooth curve, one for `_ROWS` rows
 _ROWS = 6
@@ -168,45 +170,83 @@ def _choices(names: Sequence[str]) -> list[list[int]]:
 
 def _sweeps(v: FloatArray) -> tuple[IntArray, int, int]:
     """Return 1 for each row, in turn, of a rising branch and -1 of a falling one, and the numbers of both."""
-    ends = [0, *_turns(v), len(v)]
-    labels, counts, swept = np.zeros(len(v), dtype=np.int64), {1: 0, -1: 0}, 0
-    for first, last in pairwise(ends):
-        rows = v[first:last]
-        way = 1 if _mean(rows[len(rows) // 2 :]) >= _mean(rows[: (len(rows) + 1) // 2]) else -1
-        labels[first:last] = way
-        if len(np.unique(rows)) >= _FEWEST:
-            counts[way] += 1
-            swept += len(rows)
-    if not all(counts.values()) or swept < _IN_ORDER * len(v):
+    if _is_shuffled(v):
         return np.zeros(len(v), dtype=np.int64), 0, 0
-    return labels, counts[1], counts[-1]
+    ends = np.array([0, *_turns(v), len(v)])
+    lengths = np.diff(ends)
+    halves = (lengths + 1) // 2
+    apart = _sums(v, ends[1:] - halves, ends[1:]) - _sums(v, ends[:-1], ends[:-1] + halves)
+    ways = np.where(apart >= 0, 1, -1)
+    run = np.repeat(np.arange(len(lengths)), lengths)
+    swept = _different(v, run, len(lengths)) >= _FEWEST
+    rising, falling = (int((swept & (ways == way)).sum()) for way in (1, -1))
+    if not (rising and falling) or lengths[swept].sum() < _IN_ORDER * len(v):
+        return np.zeros(len(v), dtype=np.int64), 0, 0
+    return ways[run], rising, falling
 
 
-def _mean(rows: FloatArray) -> float:
-    return float(np.mean(rows)) if len(rows) else 0.0
+def _sums(v: FloatArray, first: IntArray, end: IntArray) -> FloatArray:
+    """Return the sum of the rows from each first to before each end."""
+    ends = np.column_stack([first, end]).ravel()
+    sums = np.add.reduceat(np.append(v, 0.0), ends)[::2]
+    return np.where(end > first, sums, 0.0)
 
 
-def _turns(v: FloatArray) -> list[int]:
-    """Return the rows with which new branches begin; a dwell at a turn is halved."""
-    least = _TURN * float(np.ptp(v))
-    speeds, turns = v.tolist(), list[int]()
+def _different(v: FloatArray, run: IntArray, count: int) -> IntArray:
+    """Return how many different speeds each run of rows has."""
+    order = np.lexsort((v, run))
+    new = np.r_[True, (np.diff(v[order]) != 0) | (np.diff(run[order]) != 0)]
+    return np.bincount(run[order][new], minlength=count)
+
+
+def _is_shuffled(v: FloatArray) -> bool:
+    """Return whether many rows are in random order, as stretches of them tell: most branches have too few rows."""
+    if len(v) <= _MANY:
+        return False
+    stretches = np.linspace(0, len(v) - _STRETCH, _STRETCHES).astype(int)
+    turns = sum(len(_turns(v[first : first + _STRETCH], float(np.ptp(v)))) for first in stretches)
+    most = 1 / _FEWEST + 1 - _IN_ORDER  # branches for a row, if enough rows are on branches of enough rows
+    return turns > most * _STRETCH * _STRETCHES
+
+
+def _turns(v: FloatArray, span: float | None = None) -> list[int]:
+    """Return the rows with which new branches begin; a dwell at a turn is halved.
+
+    Rows in which nothing can turn are passed by as a whole: those whose range, and what stands out, is too small.
+    """
+    least = _TURN * (float(np.ptp(v)) if span is None else span)
+    turns = list[int]()
     way, low, high = 0, 0, 0
-    for i, speed in enumerate(speeds):
-        low = i if speed < speeds[low] else low
-        high = i if speed > speeds[high] else high
-        if way >= 0 and speeds[high] - speed > least:
-            turns += [high] if way else []
-            way, low = -1, i
-        elif way <= 0 and speed - speeds[low] > least:
-            turns += [low] if way else []
-            way, high = 1, i
+    for first in range(0, len(v), _PASSED):
+        block = v[first : first + _PASSED]
+        below, above = int(np.argmin(block)), int(np.argmax(block))
+        least_speed, most_speed = float(block[below]), float(block[above])
+        falls = way >= 0 and max(v[high], most_speed) - least_speed > least
+        rises = way <= 0 and most_speed - min(v[low], least_speed) > least
+        if not (falls or rises):
+            low = first + below if least_speed < v[low] else low
+            high = first + above if most_speed > v[high] else high
+            continue
+        speeds = v[first : first + _PASSED].tolist()
+        lowest, highest = float(v[low]), float(v[high])
+        for i, speed in enumerate(speeds, first):
+            if speed < lowest:
+                low, lowest = i, speed
+            if speed > highest:
+                high, highest = i, speed
+            if way >= 0 and highest - speed > least:
+                turns += [high] if way else []
+                way, low, lowest = -1, i, speed
+            elif way <= 0 and speed - lowest > least:
+                turns += [low] if way else []
+                way, high, highest = 1, i, speed
     middles = []
     for turn in turns:
         first = last = turn
-        near = _FLAT * speeds[turn]
-        while first > 0 and abs(speeds[first - 1] - speeds[turn]) <= near:
+        near = _FLAT * v[turn]
+        while first > 0 and abs(v[first - 1] - v[turn]) <= near:
             first -= 1
-        while last < len(speeds) - 1 and abs(speeds[last + 1] - speeds[turn]) <= near:
+        while last < len(v) - 1 and abs(v[last + 1] - v[turn]) <= near:
             last += 1
         middles.append((first + last) // 2 + 1)
     return middles

@@ -73,6 +73,9 @@ def _weights_of(residuals: FloatArray) -> FloatArray:
 
 def _local_scale(residuals: FloatArray) -> FloatArray:
     """Return the robust standard deviation of the noise at each of many rows, by blocks of neighbours."""
-    blocks = np.array_split(np.abs(residuals), max(len(residuals) // _BLOCK, 1))
-    medians = [float(np.median(block)) for block in blocks]
-    return np.repeat(_DEVIATION * np.array(medians), [len(block) for block in blocks])
+    count = max(len(residuals) // _BLOCK, 1)
+    size, longer = divmod(len(residuals), count)
+    sizes, begin = np.abs(residuals), longer * (size + 1)
+    blocks = sizes[:begin].reshape(longer, size + 1), sizes[begin:].reshape(count - longer, size)
+    medians = [_DEVIATION * np.median(rows, axis=1) for rows in blocks]
+    return np.concatenate([np.repeat(medians[0], size + 1), np.repeat(medians[1], size)])

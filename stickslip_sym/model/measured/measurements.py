@@ -142,9 +142,9 @@ class Measurements(Drawn, TableResult):
         mu = self.mu if direction is None else self.mu - branches.offset * direction
         return replace(self, mu=mu, understood=f"{self.understood}, {branches}", branches=branches)
 
-    def with_tails_weighed(self) -> "Measurements":
-        """Return the measurements with Huber's weights for its rows, if noise has heavy tails."""
-        if not have_heavy_tails(self.v, self.means):
+    def with_tails_weighed(self, heavy: bool | None = None) -> "Measurements":
+        """Return the measurements with Huber's weights, if noise has heavy tails, which may be known."""
+        if not (have_heavy_tails(self.v, self.means) if heavy is None else heavy):
             return self
         tails = huber_weights(self.v, self.means)
         said = f"noise with heavy tails: {int((tails < 1).sum())} rows far off weighed down (Huber)"
@@ -398,14 +398,17 @@ def read_measurements(
             "the static coefficient is at least that"
         )
         order = order[~held[order]]
-    counts = table.floats("n") if "n" in table.cells else None
-    if not (keep_outliers or have_heavy_tails(v[order], mu[order])):
+    counts = table.floats("n") if "n" in table.columns else None
+    heavy: bool | None = have_heavy_tails(v[order], mu[order])
+    if not (keep_outliers or heavy):
         off = _outliers(v[order], mu[order])
         smooth = ~np.isin(np.arange(len(v)), order[off])
         rule = "mu is more than 6 robust standard deviations off a smooth curve; keep such rows by "
         rule += str(Argument("keep_outliers", True))
-        table.require(smooth, "F_t" if "F_t" in table.cells else "mu", rule, "off a smooth curve")
-        order = order[~off]
+        table.require(smooth, "F_t" if "F_t" in table.columns else "mu", rule, "off a smooth curve")
+        if off.any():
+            order = order[~off]
+            heavy = None
     table.refuse_systematic()
     if table.faults:
         notes.append(f"rows left out: {table.left_out}")
@@ -429,7 +432,8 @@ def read_measurements(
         static_at_least=static_at_least,
         blocks=table.blocks,
     )
-    read = read.in_branches(direction[order]).with_tails_weighed()
+    read = read.in_branches(direction[order])
+    read = read.with_tails_weighed(heavy if read.branches is None else None)
     return read if bins is None else read.binned(bins)
 
 
@@ -496,13 +500,14 @@ def _outliers(v: FloatArray, y: FloatArray) -> BoolArray:
     tolerance = _OUTLYING * few * max(noise, _RESOLUTION * float(np.median(np.abs(y))))
     # mu is between the medians of the three rows on either side, or beyond by as much as neighbours differ; at the
     # lowest speeds it may rise or fall steeply, and only a multiple of what follows is refused.
-    trios = np.sort(np.lib.stride_tricks.sliding_window_view(y, _BESIDE), axis=1)
-    middle, gaps = trios[:, 1], np.diff(trios, axis=1)
+    lower, upper, third = np.minimum(y[:-2], y[1:-1]), np.maximum(y[:-2], y[1:-1]), y[2:]
+    middle = np.maximum(lower, np.minimum(upper, third))
+    gap_below, gap_above = middle - np.minimum(lower, third), np.maximum(upper, third) - middle
     i = np.arange(len(y))
     below, above = np.clip(i - _BESIDE, 0, None), np.clip(i + 1, None, len(y) - _BESIDE)
     below[:_BESIDE], above[-_BESIDE:] = above[:_BESIDE], below[-_BESIDE:]  # at an end, the rows on the other side
-    low, high = np.sort([middle[below], middle[above]], axis=0)
-    least, largest = gaps.min(axis=1), gaps.max(axis=1)
+    low, high = np.minimum(middle[below], middle[above]), np.maximum(middle[below], middle[above])
+    least, largest = np.minimum(gap_below, gap_above), np.maximum(gap_below, gap_above)
     change = np.where(below == above, largest[below], np.maximum(least[below], least[above]))
     slack = np.maximum(tolerance, _RISES * change)
     first = np.abs(y) > _RISES * np.abs(high) + slack
@@ -515,8 +520,8 @@ def _outliers(v: FloatArray, y: FloatArray) -> BoolArray:
 
 def _fold(table: Table) -> tuple[FloatArray, FloatArray, FloatArray | None, IntArray, list[str]]:
     """Return slip speeds in m/s, coefficients, standard deviations, directions, and what was done with signs."""
-    friction, load = ("F_t", "F_n") if "F_t" in table.cells else ("mu", None)
-    deviation = next((key for key in ("sigma_mu", "sigma_F_t") if key in table.cells), None)
+    friction, load = ("F_t", "F_n") if "F_t" in table.columns else ("mu", None)
+    deviation = next((key for key in ("sigma_mu", "sigma_F_t") if key in table.columns), None)
     if deviation is not None:
         rule = "a standard deviation is above 0"
         table.require(table.floats(deviation) > 0, deviation, rule, "without a standard deviation")
@@ -532,7 +537,7 @@ def _fold(table: Table) -> tuple[FloatArray, FloatArray, FloatArray | None, IntA
     if (fast := np.abs(v) > _FASTEST).any() and not table.columns["v"].unit_text:
         row = int(np.argmax(fast))
         raise InputError(
-            f"{table.place(row, 'v')}: got v = {table.cells['v'][row]}; without a unit a speed is in m/s; write "
+            f"{table.place(row, 'v')}: got v = {table.cell('v', row)}; without a unit a speed is in m/s; write "
             "it, like v [mm/s]"
         )
     mu, direction, notes = _without_strokes(table, np.sign(v), mu, friction)
@@ -560,8 +565,8 @@ def _without_strokes(
     if reverses:
         wrong = int(np.argmax(direction * along * mu < 0))
         raise InputError(
-            f"{table.place(wrong, friction)}: {friction} = {table.cells[friction][wrong]} at v = "
-            f"{table.cells['v'][wrong]} is along the motion, "
+            f"{table.place(wrong, friction)}: {friction} = {table.cell(friction, wrong)} at v = "
+            f"{table.cell('v', wrong)} is along the motion, "
             "and in most rows it is against it; give friction the sign of the speed, or no sign"
         )
     return np.abs(mu), np.sign(mu), [*notes, f"both signs of {friction} folded"]

@@ -21,6 +21,7 @@ from stickslip_sym.core.foreign import printable
 from stickslip_sym.core.remedies import Argument, Reading, Remedy
 from stickslip_sym.model.measured.blocks import Block, label_of, varying
 from stickslip_sym.model.measured.columns import EXPECTED, Column, choose_columns, is_header, read_unit
+from stickslip_sym.model.measured.plain import lines_before, plain_numbers
 from stickslip_sym.model.measured.preamble import WrittenRadius, written_radius
 from stickslip_sym.model.measured.proposals import proposed
 from stickslip_sym.model.measured.values import is_value, split_values
@@ -33,6 +34,8 @@ MOST_ROWS = 1_000_000  # of a file; a longer one is refused before its numbers a
 _PRECISION = 40  # digits in which units are converted, beyond those of a double
 _LARGEST = 200 * MOST_ROWS  # bytes of a file: those of a row with a dozen columns
 _LONGEST = 10_000  # characters of a line
+_LONG = 500_000  # bytes of a file that is worth reading as a whole, if its numbers are plain
+_HEAD = 50_000  # bytes, in which its header stands
 _LOOKED_AT = 400  # lines, of which most look alike: enough to tell how a file is written
 _COMMENT = re.compile(r"^\s*([#%!]|//)\s*")
 _BEFORE_UNIT = re.compile(r"(?<=[^\s\])]) +(?=[\[(])")
@@ -64,8 +67,9 @@ class Table:
     unread: list[str]
     leave_out: bool
     written: str = ""  # how, in words
-    lines: list[int] = field(default_factory=list)
+    lines: Sequence[int] = field(default_factory=list)
     cells: dict[str, list[str]] = field(default_factory=dict)
+    values: dict[str, FloatArray] = field(default_factory=dict)  # in place of cells, of a long plain file
     faults: dict[str, list[int]] = field(default_factory=dict)
     radii: list[Fraction] = field(default_factory=list)  # of the track, in m, for each row
     origin: list[int] = field(default_factory=list)  # the number of each row's block
@@ -75,7 +79,13 @@ class Table:
 
     def floats(self, quantity: str) -> FloatArray:
         """Return a column as it stands in the file, in double precision."""
+        if self.values:
+            return self.values[quantity]
         return np.array(self.cells[quantity], dtype=np.float64)
+
+    def cell(self, quantity: str, row: int) -> str:
+        """Return what stands in a cell."""
+        return f"{self.values[quantity][row]:.12g}" if self.values else self.cells[quantity][row]
 
     def numbers(self, quantity: str, per: str | None = None) -> FloatArray:
         """Return a column in SI units, or its ratio to another, rounded but once.
@@ -88,6 +98,11 @@ class Table:
         tracks = self.radii if power else [Fraction(1)] * len(self.lines)
         if size == 1 and per is None and not power:
             return self.floats(quantity)
+        if self.values:  # rounded once more by each factor
+            tracks_in_m = np.array([float(track) for track in tracks]) if power else 1.0
+            below_in_units = self.values[per] if per else 1.0
+            numerator = self.values[quantity] * float(size.numerator) * tracks_in_m**power
+            return np.asarray(numerator / (float(size.denominator) * below_in_units))
         below = self.cells[per] if per else repeat("1", len(self.lines))
         with localcontext(prec=_PRECISION):
             sizes = {track: size * track**power for track in set(tracks)}
@@ -144,17 +159,20 @@ class Table:
         if (count := int(np.sum(~keep))) > max(_MOST_LEFT_OUT * len(keep), 1) and not stands_for_none:
             row = int(np.argmin(keep))
             raise InputError(
-                f"{self.place(row, quantity)}: {rule}; got {quantity} = {self.cells[quantity][row]}, and {count} "
+                f"{self.place(row, quantity)}: {rule}; got {quantity} = {self.cell(quantity, row)}, and {count} "
                 f"of {len(keep)} rows are like it, too many to leave out: see which columns and units they are"
             )
         for row in np.flatnonzero(~keep).tolist():
-            got = f"{quantity} = {self.cells[quantity][row]}"
+            got = f"{quantity} = {self.cell(quantity, row)}"
             self.fault(self.lines[row], self.place(row, quantity), got, rule, reason)
             stands_in = stands_for_none and quantity == "v"
-            self.without[self.lines[row]] = math.nan if stands_in else float(self.cells["v"][row])
+            self.without[self.lines[row]] = math.nan if stands_in else float(self.floats("v")[row])
+        if keep.all():
+            return
         rows = np.flatnonzero(keep).tolist()
         self.lines, self.origin = ([column[i] for i in rows] for column in (self.lines, self.origin))
         self.radii = [self.radii[i] for i in rows]
+        self.values = {name: values[keep] for name, values in self.values.items()}
         self.cells = {name: [cells[i] for i in rows] for name, cells in self.cells.items()}
         if not rows:
             raise InputError(f"{self.name} has no row that is a measurement: {self.left_out}")
@@ -199,14 +217,11 @@ def read_table(
 ) -> Table:
     """Return the columns of a text file that hold measurements, or refuse it with line and column."""
     name = repr(str(path))
-    texts = printable(_text(path), lines=True).replace("\N{MINUS SIGN}", "-").splitlines()
-    for number, text in enumerate(texts, 1):
-        if len(text) > _LONGEST:
-            raise InputError(f"{name}, line {number}: it has {len(text)} characters; a row is a line of its own")
-    lines = [
-        _Line(number, _COMMENT.sub("", text, count=1), _COMMENT.match(text) is not None)
-        for number, text in enumerate(texts, 1) if text.strip(SEPARATORS)
-    ]  # fmt: skip
+    content = read_bytes(path, _LARGEST)
+    how = _How(chosen, radius, None, leave_out)
+    if len(content) > _LONG and not block and (plain := _plain_table(content, name, how)) is not None:
+        return plain
+    lines = _lines(_text(content, name), name)
     parts = _parts(lines, _layout_of_chosen(lines, name) if chosen else _layout(lines, name), name)
     if sum(len(part.layout.rows) for part in parts) > MOST_ROWS:
         raise InputError(f"{name} has over {MOST_ROWS} rows; average them to fewer")
@@ -225,11 +240,48 @@ def read_table(
         above = [(line.number, _cells(line.text, part.layout.separator)) for line in part.above]
         written = written_radius(above[-_LOOKED_AT:]) or written
         if number in numbers:
-            how = _How(chosen, radius, written, leave_out, number if block else None)
-            tables.append(_table_of(part, header, cells, name, how, number))
+            of_block = how._replace(written=written, block=number if block else None)
+            tables.append(_table_of(part, header, cells, name, of_block, number))
     table = _together(tables)
     table.blocks = tuple(blocks)
     return table
+
+
+def _lines(text: str, name: str) -> list[_Line]:
+    """Return the lines of a text that are not empty."""
+    texts = printable(text, lines=True).replace("\N{MINUS SIGN}", "-").splitlines()
+    for number, line in enumerate(texts, 1):
+        if len(line) > _LONGEST:
+            raise InputError(f"{name}, line {number}: it has {len(line)} characters; a row is a line of its own")
+    return [
+        _Line(number, _COMMENT.sub("", line, count=1), _COMMENT.match(line) is not None)
+        for number, line in enumerate(texts, 1) if line.strip(SEPARATORS)
+    ]  # fmt: skip
+
+
+def _plain_table(content: bytes, name: str, how: "_How") -> Table | None:
+    """Return the columns of a long file of plain numbers; None where its cells are to be looked at one by one."""
+    try:
+        head = content[: content.rindex(b"\n", 0, _HEAD) + 1].decode()
+        lines = _lines(head, name)
+        (part,) = _parts(lines, _layout_of_chosen(lines, name) if how.chosen else _layout(lines, name), name)
+    except (ValueError, InputError):
+        return None
+    header, separator, rows = part.layout.header, part.layout.separator, part.layout.rows
+    cells = [(line.number, _cells(line.text, separator)) for line in rows]
+    named = list(filter(None, header))
+    before = lines_before(head, rows[0].number)
+    if before is None or len(set(named)) < len(named) or split_values(header, cells)[0] != header:
+        return None
+    numbers = plain_numbers(content[before:], separator, len(header))
+    if numbers is None:
+        return None
+    if len(numbers) > MOST_ROWS:
+        raise InputError(f"{name} has over {MOST_ROWS} rows; average them to fewer")
+    above = [(line.number, _cells(line.text, separator)) for line in part.above]
+    return _table_of(
+        part, header, cells, name, how._replace(written=written_radius(above[-_LOOKED_AT:])), 1, numbers
+    )
 
 
 class _How(NamedTuple):
@@ -253,8 +305,16 @@ def _advice(
     return "; if the columns and units are these, read it by: ", call
 
 
-def _table_of(part: _Part, header: list[str], cells: Sequence[_Row], name: str, how: _How, number: int) -> Table:
-    """Return the columns of a block that hold measurements."""
+def _table_of(
+    part: _Part,
+    header: list[str],
+    cells: Sequence[_Row],
+    name: str,
+    how: _How,
+    number: int,
+    plain: FloatArray | None = None,
+) -> Table:
+    """Return the columns of a block that hold measurements; of `plain` rows, if there are no others."""
     line, separator = part.layout.line, part.layout.separator
     where = name if line is None else f"{name}, line {line.number}"
     chosen = how.chosen if any(header) or how.chosen else _FIRST_TWO
@@ -270,10 +330,13 @@ def _table_of(part: _Part, header: list[str], cells: Sequence[_Row], name: str, 
         assert how.written.size is not None  # or the columns had been refused
         track = how.written.size
         table.said_of_radius = f"radius {how.written.text} from line {how.written.line}"
-    _fill(table, cells, header, separator)
+    if plain is None:
+        _fill(table, cells, header, separator)
+    else:
+        _take(table, plain, cells[0][0], separator)
     table.radii = [track] * len(table.lines)
     table.origin = [number] * len(table.lines)
-    for quantity in columns:
+    for quantity in columns if plain is None else ():
         good = ~_stand_ins(table.floats(quantity), table.cells[quantity])
         reason = "of a value that stands for none"
         table.require(good, quantity, "this stands for no value", reason, stands_for_none=True)
@@ -285,7 +348,7 @@ def _together(tables: Sequence[Table]) -> Table:
     whole = tables[0]
     said = [whole.said_of_radius]
     for table in tables[1:]:
-        whole.lines += table.lines
+        whole.lines = [*whole.lines, *table.lines]
         whole.radii += table.radii
         whole.origin += table.origin
         whole.without |= table.without
@@ -375,10 +438,9 @@ def _blocks_to_read(parts: Sequence[_Part], block: Collection[int], name: str) -
     return {number for numbers in kinds.values() for number in numbers}
 
 
-def _text(path: Path) -> str:
-    content = read_bytes(path, _LARGEST)
+def _text(content: bytes, name: str) -> str:
     if kind := _WORKBOOKS.get(content[:4]):
-        raise InputError(f"{str(path)!r} is a workbook ({kind}), not a text file; save the sheet as CSV")
+        raise InputError(f"{name} is a workbook ({kind}), not a text file; save the sheet as CSV")
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         with suppress(UnicodeDecodeError):
             return content.decode("utf-16")
@@ -386,7 +448,7 @@ def _text(path: Path) -> str:
         with suppress(UnicodeDecodeError):
             return content.decode("utf-8-sig")
         return content.decode("cp1252", "replace")  # as older instruments write the micro sign
-    raise InputError(f"{str(path)!r} is not a text file of columns: it holds null bytes; save it as UTF-8")
+    raise InputError(f"{name} is not a text file of columns: it holds null bytes; save it as UTF-8")
 
 
 def _cells(line: str, separator: str) -> list[str]:
@@ -557,6 +619,7 @@ def _fill(table: Table, rows: Sequence[_Row], header: list[str], separator: str)
         if i not in read and 2 * sum(_is_number(row[i]) for row in looked_at) > len(looked_at)
     ]  # fmt: skip
     table.cells = {quantity: [] for quantity in table.columns}
+    kept = list[int]()
     for line, row in rows:
         text = separator.join(row)
         if len(row) < count or any(row[count:]):
@@ -572,7 +635,7 @@ def _fill(table: Table, rows: Sequence[_Row], header: list[str], separator: str)
             wrong = [i for i in numeric if not (re.search(r"\d", row[i]) or _NOTHING.fullmatch(row[i]))]
             wrong += [i for i in read if not _NUMBERS[sign].fullmatch(row[i])]
             if not wrong:
-                table.lines.append(line)
+                kept.append(line)
                 for i, quantity in read.items():
                     table.cells[quantity].append(row[i].replace(sign, "."))
                 continue
@@ -587,9 +650,19 @@ def _fill(table: Table, rows: Sequence[_Row], header: list[str], separator: str)
             is_known = v < len(row) and _NUMBERS[sign].fullmatch(row[v])
             table.without[line] = float(row[v].replace(sign, ".")) if is_known else math.nan
 
+    table.lines = kept
     for quantity, known in table.columns.items():
         if known.value:
             table.cells[quantity] = [known.value] * len(table.lines)
+
+
+def _take(table: Table, rows: FloatArray, first: int, separator: str) -> None:
+    """Take the columns that are read of plain rows, which stand in successive lines."""
+    table.written = f"columns parted by {_PARTED[separator]}, decimal point"
+    table.lines = range(first, first + len(rows))
+    for quantity, column in table.columns.items():
+        numbers = np.full(len(rows), float(column.value)) if column.value else rows[:, column.number - 1]
+        table.values[quantity] = np.ascontiguousarray(numbers)
 
 
 def _refuse_second_table(table: Table, rows: Sequence[_Row], separator: str) -> None:
