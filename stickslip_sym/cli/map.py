@@ -133,6 +133,8 @@ def report(motions: MotionMap) -> str:
         "\n".join([*map("".join, letters), f"{y} upwards, {x} to the right"]),
         *map(table, tables, tables.values()),
     ]
+    if motions.note:
+        parts.append(motions.note)
     if motions.notes:
         (row, column), text = next(iter(motions.notes.items()))
         where = f"{motions.x.name} = {motions.x.values[column]:g}, {motions.y.name} = {motions.y.values[row]:g}"

@@ -1,4 +1,4 @@
-"""Where a coefficient of friction is lowest, and a warning where it is negative."""
+"""What is said of a law whose coefficient of friction is negative somewhere, or 0 at rest."""
 
 import warnings
 
@@ -38,3 +38,13 @@ def warn_where_negative(law: BoundLaw, V: float) -> bool:
             stacklevel=3,
         )
     return negative
+
+
+def note_at_rest(law: BoundLaw, N: float = 1.0) -> str:
+    """Return what is said of a law that holds no mass at rest on the belt; nothing of any other."""
+    if law.static != 0 or N == 0:
+        return ""
+    return (
+        "mu(0) = 0: static friction holds nothing, and the mass slips slowly where it would stick by the law "
+        "without this regularisation"
+    )

@@ -9,7 +9,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip_sym.core.aliases import FloatArray, IntArray
+from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 from stickslip_sym.core.deadline import check_time, is_late, time_left
 from stickslip_sym.core.errors import InputError, NotConverged, OutOfTime, StickSlipError
 from stickslip_sym.model.bound import BoundLaw
@@ -17,6 +17,7 @@ from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.model.table import FARTHEST, FrictionTable, Rise
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
 from stickslip_sym.motion.kernel.data import (
+    ADDED,
     MOST_STEPS,
     TIGHT,
     Branch,
@@ -32,6 +33,7 @@ from stickslip_sym.motion.kernel.follow import follow
 from stickslip_sym.motion.kernel.forces import entered, rate_at
 from stickslip_sym.motion.kernel.steps import stepped
 from stickslip_sym.motion.workers import collect
+from stickslip_sym.numerics.known import Column, Unknown
 
 Number = TypeVar("Number")
 
@@ -65,6 +67,23 @@ class Slip(NamedTuple, Generic[Number]):
         """Return one of many."""
         end, *numbers = (column[number].item() for column in self[:-1])  # type: ignore[index]  # of arrays
         return Slip(End(end), *numbers)
+
+
+class RoundEnds(NamedTuple):
+    """What many rounds outside P's orbit come to.
+
+    - `ends`: the displacements where slip slower than the belt begins again: 0 for a mass that sticks before, or
+      stays slower than the belt, infinite for one that moves away for ever, or beyond what was measured.
+    - `sticks`, `slower`, `leaves`: which ones stick, which stay slower, and which move away.
+    """
+
+    ends: Column
+    sticks: BoolArray
+    slower: BoolArray
+    leaves: BoolArray
+
+
+_LOST = Unknown("a round takes too many steps")
 
 
 @compilable
@@ -262,20 +281,24 @@ class Dimensionless:
         self.spread(_follow_all, [*columns], settings, rows, few=few, batch=batch, workers=workers)
         return Slip(*rows.T)
 
-    def rounds(self, q: FloatArray, rtol: float, **options: Any) -> FloatArray:
+    def rounds(self, q: FloatArray, rtol: float, **options: Any) -> RoundEnds:
         """Follow rounds outside P's orbit, from displacements q >= 0 at the belt's speed, slower than it at first.
 
         - `options`: of `slips`.
-
-        Returns the q where slip slower than the belt begins again: NaN if the mass sticks before, 0 if it stays
-          slower than the belt, infinity if it moves away for ever or beyond what was measured, and -1 if that is
-          unknown.
         """
         slips = self.slips(q, np.zeros_like(q), passes=1, until=End.MINIMUM, rtol=rtol, **options)
-        end, back = slips.end, np.where(slips.q <= 0, math.nan, slips.q)
-        rounds = np.where(end == End.OUTSIDE, math.inf, -1.0)
-        rounds[(end == End.MINIMUM) | (end == End.REST)] = 0.0
-        return np.where(end == End.RETURN, back, rounds)
+        returns, leaves = slips.end == End.RETURN, slips.end == End.OUTSIDE
+        slower = (slips.end == End.MINIMUM) | (slips.end == End.REST)
+        # Without static friction P is passed by all that come to it but for rounding.
+        sticks = returns & (slips.q <= 0) & (self.table.static > 0)
+        ends = np.where(leaves, math.inf, np.where(returns, np.maximum(slips.q, 0.0), math.nan))
+        ends[slower | sticks] = 0.0
+        # A displacement is off by what the slip speed is, over the rate with which that comes to 0.
+        size = np.maximum(1.0, np.maximum(slips.q_most - slips.q_least, slips.u_most - slips.u_least))
+        with np.errstate(divide="ignore"):
+            errors = ADDED * rtol * size * (1.0 + 1.0 / np.abs(slips.rate))
+        errors[~returns | sticks] = 0.0
+        return RoundEnds(Column.of(ends, np.minimum(errors, size), _LOST), sticks, slower, leaves)
 
     def states(
         self, steps: Sequence[Step], which: IntArray, tau: FloatArray, side: float, rtol: float

@@ -54,7 +54,7 @@ def jumping():
 
 
 COMPUTING = [  # of motions, orbits, thresholds, averages, closed forms and fits
-    (slip, "follow"), (needed, "follow"), (slip, "_follow_all"), (needed, "needed_all"), (needed, "highest_all"),
+    (slip, "follow"), (needed, "follow"), (slip, "_follow_all"), (needed, "needed_all"), (needed, "gaps_all"),
     (methods, "ask"), (methods, "good_enough"), (orbit, "orbits"), (SlopeAverage, "_total"),
     (least_squares.Problem, "minimum"), (Average, "find"), (basins, "shares_by_area"), (law, "slope_of"),
 ]  # fmt: skip

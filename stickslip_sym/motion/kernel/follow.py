@@ -22,7 +22,15 @@ from stickslip_sym.motion.kernel.data import (
     Wedge,
 )
 from stickslip_sym.motion.kernel.events import land
-from stickslip_sym.motion.kernel.forces import entered, interval, rate_at, rise_at, slope_at, standing
+from stickslip_sym.motion.kernel.forces import (
+    entered,
+    interval,
+    rate_at,
+    rise_at,
+    slope_at,
+    slope_standing,
+    standing,
+)
 from stickslip_sym.motion.kernel.steps import AMPLIFIED, stepped
 
 _LONGEST_STEP = 0.25  # explicit; at twice that what a step is off shows in thresholds
@@ -34,7 +42,7 @@ _PATIENCE = 15  # steps held short by stability before the method changes
 _NO_ERROR = 1e-7  # of the tolerance, that may be nothing but rounding
 _SHORTEST = 1e-14  # length of a step, over max(tau, 1), that is not made shorter
 _REST_WITHIN = 10  # times the tolerance: nearer to rest the errors of steps do not let the mass come
-_BESIDE = 1e-6  # of w = 1, over which the slope of mu at rest is taken
+_BESIDE = 1e-6  # of w = 1, from where it is asked whether a mass is at rest
 _CREEP = 2.0  # decay of w from which a deviation from rest has real exponents
 
 
@@ -103,8 +111,15 @@ def follow(
         if near != branch.near:
             branch = Branch(branch.pieces, branch.first, branch.last, near)
         may_rest = abs(trial.w - 1.0) <= close and event in (End.OPEN, End.LEVEL)
-        if may_rest and _is_rest(rise, field, state, rising, rtol):
+        ends_at = End.OPEN
+        if may_rest:
+            ends_at = _beside_rest(rise, field, state, rising, rtol)
+        if ends_at == End.REST:
             end = End.REST
+        elif ends_at == End.LEVEL:
+            at_kink, state = True, _on_jump(rise, field, state, rising, wedge)
+            if stop.until == End.LEVEL and stop.level == 1.0:
+                end = End.LEVEL
         elif event == End.LEVEL:
             at_kink = state.w == border and border > 0.0
             if state.w == 0.0 and (passed == stop.passes or -hold <= state.q <= 0.0):
@@ -279,22 +294,24 @@ def _at_rate(state: State, rate: float) -> State:
 
 
 @compilable
-def _is_rest(rise: Rise, field: Field, state: State, rising: bool, rtol: float) -> bool:
-    """Whether a mass with w near 1 is at rest within the tolerance, and stays there.
+def _beside_rest(rise: Rise, field: Field, state: State, rising: bool, rtol: float) -> End:
+    """Return whether a mass with w near 1 is at rest within the tolerance, and stays there: `REST`.
 
     Where two segments of the law meet at rest without a jump, a motion may come to it in swings over both, where
-    deviations decay on the mean; or creep to it on one side, where that side has real exponents below 0.
+    deviations decay on the mean; or creep to it on one side, where that side has real exponents below 0. Where mu
+    jumps there and exponents are not real, it comes to w = 1 in less than half a swing, however near: `LEVEL`.
     """
     eta, push, side, damping = field
-    q, w = state.q, state.w
+    q, w, pieces = state.q, state.w, rise.pieces
     if side < 0.0 or rise.levels[-1] <= 1.0 + _BESIDE:
-        return False
-    whole = Branch(rise.pieces, 0, rise.firsts[-1] - 1, 0)
-    above, below = eta * standing(rise.pieces, True), eta * standing(rise.pieces, False)
-    faster = (eta * rise_at(whole, 1.0 + _BESIDE) - above) / _BESIDE + damping
-    slower = (below - eta * rise_at(whole, 1.0 - _BESIDE)) / _BESIDE + damping
+        return End.OPEN
+    above, below = eta * standing(pieces, True), eta * standing(pieces, False)
+    faster = eta * slope_standing(pieces, True) + damping
+    slower = eta * slope_standing(pieces, False) + damping
     is_slower = w < 1.0 or (w == 1.0 and rising)
-    lifted = below if is_slower else above
+    decay, lifted = faster, above
+    if is_slower:
+        decay, lifted = slower, below
     rest = damping - push + lifted
     fastest = max(abs(faster), abs(slower))
     noise = ULP * max(max(abs(push), abs(lifted)), max(abs(rest), abs(damping)))
@@ -302,6 +319,23 @@ def _is_rest(rise: Rise, field: Field, state: State, rising: bool, rtol: float) 
         noise *= AMPLIFIED / fastest
     close = _REST_WITHIN * (rtol + noise)
     if abs(w - 1.0) > close or abs(q - rest) > close * max(1.0, abs(rest)):
-        return False
-    decay = slower if is_slower else faster
-    return bool((above == below and faster + slower > 0.0) or decay >= _CREEP)
+        return End.OPEN
+    if decay >= _CREEP or (above == below and faster + slower > 0.0):
+        return End.REST
+    comes = w != 1.0 and decay > 0.0 and is_slower == rising
+    return End.LEVEL if above != below and comes else End.OPEN
+
+
+@compilable
+def _on_jump(rise: Rise, field: Field, state: State, rising: bool, wedge: Wedge) -> State:
+    """Return the state where mu jumps at w = 1 of a mass that is at rest there but for rounding.
+
+    Its displacement is that of rest on the side from which it came, and so is how that changes: dq/dp = -dw'/dp.
+    """
+    below = rising
+    q = field.damping - field.push + field.eta * standing(rise.pieces, not below)
+    rate = ULP if rising else -ULP
+    change = wedge.constant + wedge.linear
+    if wedge.factor != 0.0:
+        change += wedge.factor * standing(wedge.pieces, not below)
+    return State(state.tau, q, 1.0, state.side, rate, rate * change)

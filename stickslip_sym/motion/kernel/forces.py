@@ -63,10 +63,22 @@ def rise_at(branch: Branch, w: float) -> float:
 @compilable
 def standing(pieces: Pieces, above: bool) -> float:
     """Return a rise where the mass stands still, w = 1: its limit from slip speeds above, or from below."""
+    return rise_at(_at_rest(pieces, above), 1.0)
+
+
+@compilable
+def slope_standing(pieces: Pieces, above: bool) -> float:
+    """Return the derivative of the rise there, on one side."""
+    return slope_at(_at_rest(pieces, above), 1.0)
+
+
+@compilable
+def _at_rest(pieces: Pieces, above: bool) -> Branch:
+    """Return the interval of slip speeds that begins, or ends, with w = 1, or holds it."""
     at = interval(pieces, 0, len(pieces) - 1, 0, 1.0)
     if not above and at > 0 and pieces[at][0] == 1.0:
         at -= 1
-    return rise_at(Branch(pieces, at, at, at), 1.0)
+    return Branch(pieces, at, at, at)
 
 
 @compilable

@@ -34,7 +34,7 @@ from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
 from stickslip_sym.motion.regimes.overtaking import reaches, rounds_outside
 from stickslip_sym.motion.regimes.regime import regime
-from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.slip import Dimensionless, RoundEnds
 from stickslip_sym.motion.thresholds.averages import slope_mean
 
 LATE = "not reached: time limit, or Ctrl-C"
@@ -48,7 +48,7 @@ CURVES = {
 
 _ROUGH = 1e-7  # tolerance of the steps along which rounds are resolved; what they leave open is followed
 _CONFIRMED = 100  # cells, of which one is decided by following motions too
-_CLOSE = 1e-8  # relative error of the damping ratio that is critical for P
+_CLOSE = 1e-9  # relative error of the damping ratio that is critical for P: a tenth of the finest `rtol`
 _INWARD = 3  # rounds that many cells are followed for, from where cycles that overtake may be, on the way in
 
 
@@ -216,21 +216,28 @@ class _Decider:
         begin = 2 * zeta - static  # q of the initial condition
         sticks = (begin <= 0) & (begin >= -2 * static)
 
-        def ends(cells: BoolArray, q: FloatArray) -> FloatArray:
-            return self.system.rounds(q[cells], SIGNS, ratios=(self.eta[cells], zeta[cells]), few=0)
-
-        end = np.zeros(zeta.shape)
-        end[returns] = ends(returns, end)
-        held, on_it = np.isnan(end), sticks | (static == 0)
+        held, escapes, overtakes = np.zeros((3, zeta.size), dtype=bool)
         comes_in = 2 * zeta + self.eta * self.system.friction_far_out >= 0
-        escapes = np.isinf(end) & ~comes_in & math.isinf(self.table.reach)
-        known = (held | (np.isfinite(end) & (end > 0) & comes_in)) & on_it | escapes
+        rounds = self._rounds(np.zeros(zeta.size), returns)
+        held[returns], escapes[returns] = rounds.sticks, rounds.leaves
+        # A law with mu(0) = 0 holds nothing: where the slip from P returns, the mass overtakes.
+        is_clear = rounds.ends.surely(above=0) | (static[returns] == 0)
+        overtakes[returns] = rounds.ends.known & is_clear & ~rounds.leaves & ~rounds.slower
+        escapes &= ~comes_in & math.isinf(self.table.reach)
+        on_it = sticks | (static == 0)
+        known = (held | (overtakes & comes_in)) & on_it | escapes
         known |= ~returns & ((zeta >= 0) | sticks)
         if self.table.static == 0:
             # The initial condition is outside the orbit from P: it may be held back by one that overtakes.
             outside = ~returns & (zeta >= 0)
-            known[outside] = ends(outside, begin) == 0
+            known[outside] = self._rounds(begin, outside).slower
         return held, escapes, known
+
+    def _rounds(self, q: FloatArray, cells: BoolArray | IntArray) -> RoundEnds:
+        """Return what rounds come to that begin at displacements, an entry for each cell, in some of the cells."""
+        rounds = self.system.rounds(q[cells], SIGNS, ratios=(self.eta[cells], self.zeta[cells]), few=0)
+        check_time()
+        return rounds
 
     def _overtaking(self, sought: BoolArray, stable: BoolArray, known: BoolArray) -> None:
         """Mark which cells have a stable cycle that overtakes the belt, and which are not known, of those sought.
@@ -240,13 +247,13 @@ class _Decider:
         q = reaches(self.system, self.eta, self.zeta)
         for _ in range(_INWARD):
             inward = np.flatnonzero(sought & (q > 0) & np.isfinite(q))
-            ends = self.system.rounds(q[inward], SIGNS, ratios=(self.eta[inward], self.zeta[inward]), few=0)
-            q[inward] = np.where(np.isnan(ends), 0.0, np.where((ends >= 0) & (ends < q[inward]), ends, math.inf))
+            ends = self._rounds(q, inward).ends
+            q[inward] = np.where(ends.high < q[inward], ends.high, math.inf)
         for i in np.flatnonzero(sought & (q > 0)).tolist():
             check_time()
-            rounds = rounds_outside(replace(self.system, eta=self.eta[i], zeta=self.zeta[i]), _ROUGH)
-            stable[i] |= -2 in np.diff(rounds.growth)
-            known[i] = "open" not in [mark.kind for mark in rounds.marks]
+            outer = rounds_outside(replace(self.system, eta=self.eta[i], zeta=self.zeta[i]), _ROUGH)
+            stable[i] |= -2 in np.diff(outer.growth)
+            known[i] = "open" not in [mark.kind for mark in outer.marks]
 
     def _cycles(self, grows_at_rest: BoolArray) -> tuple[BoolArray, BoolArray, BoolArray]:
         """Return which cells have limit cycles in pure slip, which a stable one, and of which it is not known."""

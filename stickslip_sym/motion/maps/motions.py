@@ -16,6 +16,7 @@ from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.core.progress import counted_by
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
+from stickslip_sym.model.negative import note_at_rest
 from stickslip_sym.motion.maps.cells import CURVES, LATE, Cells, Reason, decide
 from stickslip_sym.motion.maps.drawing import FAILED, NO_ATTRACTOR, CellMap, regions_of_attractors
 from stickslip_sym.motion.maps.table import OSCILLATOR, AxisValues, read_plane
@@ -72,6 +73,14 @@ class MotionMap(CellMap):
             "reason": files.texts(self.reason),
             **{f"c_{name}": curve for name, curve in self.thresholds.items()},
         }
+
+    def _summary(self) -> str:
+        return "; ".join(filter(None, (super()._summary(), self.note)))
+
+    @property
+    def note(self) -> str:
+        """What is said of a law that holds no mass at rest on the belt; empty for any other."""
+        return note_at_rest(self.law.bound)
 
     def draw(self, ax: Axes) -> list[Artist]:
         """Draw it, and return the handles of its legend."""

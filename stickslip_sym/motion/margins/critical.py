@@ -12,7 +12,7 @@ from bisect import bisect_left
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import compress, pairwise
 from operator import not_
 from typing import Any, NamedTuple, NoReturn
@@ -36,7 +36,7 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.kernel.data import TIGHT, End
 from stickslip_sym.motion.orbits.damping import quick_speeds
-from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, STRONG, needed_ratio, sure_gap
+from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, STRONG, gap_at, needed_ratio
 from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.motion.thresholds.averages import average, slope_mean
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, transit
@@ -63,6 +63,7 @@ _WITHIN = Argument("within", ("low", "high"))
 _FEW = 60  # thresholds by slips, up to which compiled code is not worth loading,
 _STIFFER = 8  # and as how many of them one counts where friction is strong
 _CLOSE = 1e-8  # relative error of thresholds, and of polynomials through them
+_DIGITS = 12  # of N/(V sqrt(k m)), by which one value is known from others
 _DISTANT = 1e-3  # of its distance from c, error of a threshold that suffices,
 _ROUGH = 1e-3  # or of itself
 _MOST, _MOST_AVERAGES = 400, 4000  # values that may be computed
@@ -293,8 +294,7 @@ def excess(points: OperatingPoints, c: float, method: Method | None) -> float:
         system = Dimensionless.of(points.bound, points.oscillator(0, c))
     except NO_RESULT:
         return math.nan
-    gap = sure_gap(system.rise, system.eta, system.zeta, system.push(1), 1.0, SIGNS)
-    deadline.check_time()
+    gap = gap_at(system, 1.0, rtol=SIGNS)
     if gap.leaves and math.isfinite(system.w_max):
         return math.nan
     is_sure = math.isinf(gap.value) or abs(gap.value) > gap.rounding
@@ -485,7 +485,8 @@ class _Search:
         self.work += _STIFFER if abs(system.eta) > STRONG else 1
         fast = self.work + count > _FEW
         if sketch:
-            ratio = attempted(needed_ratio, system, rtol=_ROUGH, fast=fast)
+            alike = replace(system, eta=float(f"{system.eta:.{_DIGITS}g}"))
+            ratio = attempted(_rough_ratio, alike, fast)
             if isinstance(ratio, Unknown):
                 return math.nan, math.nan
             zeta, error = ratio
@@ -775,6 +776,12 @@ class _Search:
         middle = float(enclosure)
         error = float(enclosure.radius) / abs(middle)
         return replace(value, value=middle, method="proof", relative_error=error, enclosure=enclosure)
+
+
+@lru_cache(maxsize=256)  # m and k are one search: the ratio depends on them by their product
+def _rough_ratio(system: Dimensionless, fast: bool) -> tuple[float, float]:
+    """Return the damping ratio that the slip from P needs, and its error, for a sketch."""
+    return needed_ratio(system, rtol=_ROUGH, fast=fast)
 
 
 def _polished(function: Callable[[float], float], root: Root) -> float | None:

@@ -11,9 +11,10 @@ from stickslip_sym.core import deadline
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.kernel.data import TIGHT
+from stickslip_sym.motion.kernel.data import TIGHT, End
 from stickslip_sym.motion.orbits.damping import NeededDamping, needed_damping
 from stickslip_sym.motion.orbits.needed import PARTED, halves
+from stickslip_sym.motion.slip import Dimensionless
 from stickslip_sym.output import markup
 from stickslip_sym.output.data import DataResult
 
@@ -110,6 +111,9 @@ def _cycle(need: NeededDamping, osc: Oscillator, A: float, stable: bool) -> Limi
     system = need.system
     ahead, back = halves(system.rise, system.eta, osc.zeta, 0.0, A, TIGHT, system.difference, 1.0)
     deadline.check_time()
+    if A == 1.0 and stable:
+        # It slips so slowly beside the belt's speed that it all but sticks: what differs at first is lost there.
+        return replace(LimitCycle.of(osc, A, _round_time(replace(system, zeta=osc.zeta)), 0.0), stable=True)
     # A wedge is 0 where its half slides along a jump of mu. Forward, the motions beside it come to lie on it;
     # backward, it is one from which those beside it part at once.
     factor = min(ahead.wedge / max(back.wedge, _STRONGEST), 1 / _STRONGEST)
@@ -118,3 +122,12 @@ def _cycle(need: NeededDamping, osc: Oscillator, A: float, stable: bool) -> Limi
         # those inside shrink, and the jump throws those outside on; where it falls both come to slide along it.
         factor = 0.0 if need.gap(A * (1 - _BESIDE), 2 * osc.zeta) > 0 else math.inf
     return replace(LimitCycle.of(osc, A, ahead.tau + back.tau, factor), stable=stable)
+
+
+def _round_time(system: Dimensionless) -> float:
+    """Return how long it takes from where a mass stands still after the slip from P to where it does so again."""
+    top = system.slip(0.0, 0.0, until=End.MAXIMUM)
+    stands = system.slip(top.q, top.w, until=End.LEVEL, level=1.0)
+    low = system.slip(stands.q, stands.w, until=End.MINIMUM)
+    top = system.slip(low.q, low.w, until=End.MAXIMUM)
+    return low.tau + top.tau + system.slip(top.q, top.w, until=End.LEVEL, level=1.0).tau

@@ -8,7 +8,7 @@ root of the distance: so every limit cycle at any damping, and every fold, is a 
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -29,14 +29,13 @@ from stickslip_sym.motion.kernel.data import PRECISE, TIGHT, End
 from stickslip_sym.motion.orbits.needed import (
     ROUNDING,
     damping_ratios,
-    highest_all,
+    gap_at,
     needed_all,
     needed_ratio,
-    sure_gap,
 )
 from stickslip_sym.motion.simulation.cycle import first_minimum
 from stickslip_sym.motion.slip import Dimensionless
-from stickslip_sym.numerics.known import Column, Unknown
+from stickslip_sym.numerics.known import Column, Unknown, attempted
 from stickslip_sym.numerics.resolved import Resolved, Turn, resolve
 
 NEAREST = 1e-3
@@ -52,6 +51,7 @@ _CLEAR = 10.0  # errors from a damping at which the sign of a polynomial is that
 _NARROW = 64  # times narrower than V is a piece of the table in which mu changes quickly,
 _NARROWER = 0.6  # and than the pieces beside it
 _SAME, _CLOSE = 1e-9, 1e-13  # amplitudes that are one, and the error of one at which d breaks
+_THIN = 1e-3  # over V, width of a layer at rest that polynomials might not see
 _SLIGHT, _LARGE = 0.5, 0.9  # damping ratio that a jump of mu at V may ask for, and amplitude above all such
 _ROUNDS = 200  # of a motion, to see whether it goes through a range of amplitudes
 
@@ -76,8 +76,7 @@ class NeededDamping:
         system, steps = self.system, TIGHT
         if abs(system.eta) < _WEAK:
             steps = PRECISE
-        value = sure_gap(system.rise, system.eta, damping / 2, 0.0, A, steps).value
-        check_time()
+        value = gap_at(replace(system, zeta=damping / 2), A, rtol=steps).value
         if math.isnan(value):
             raise NotConverged(
                 f"the slip orbit of amplitude {A * system.V:g} m/s takes too many steps: friction is too strong; "
@@ -110,10 +109,12 @@ class NeededDamping:
                 met.append(self._reaching(w * (1 - ROUNDING), self.least))
                 if self._highest(beyond := met[-1] + _SAME) < w * (1 + ROUNDING) < self.system.w_max:
                     met.append(self._reaching(w * (1 + ROUNDING), beyond))  # orbits slide there for a while
-        inside = sorted(A for A in met if self.least < A < 1)
-        edges = [self.least, *(A for A, after in pairwise([*inside, 1.0]) if after - A > _SAME), 1.0]
+        # Amplitudes within a layer at rest may be as good as one: d is not resolved there.
+        last = min((A for A in met if 1 - _SAME <= A < 1), default=1.0)
+        inside = sorted(A for A in met if self.least < A < last)
+        edges = [self.least, *(A for A, after in pairwise([*inside, last]) if after - A > _SAME), last]
         # Both ends of the last range may be singular: the law at rest, too.
-        return edges if len(edges) == 2 else [*edges[:-1], (edges[-2] + 1) / 2, 1.0]
+        return edges if len(edges) == 2 else [*edges[:-1], (edges[-2] + last) / 2, last]
 
     @cached_property
     def measured(self) -> float:
@@ -164,17 +165,28 @@ class NeededDamping:
         damping = self._values(np.array([A])).at(0)
         if isinstance(damping, Unknown) or math.isinf(damping):
             return math.inf
-        rows, column = np.empty((1, 1)), np.ones(1)
-        orbit = system.eta * column, damping / 2 * column, A * column
-        _spread(system, highest_all, orbit, TIGHT, rows)
-        return float(rows[0, 0])
+        return gap_at(replace(system, zeta=damping / 2), A, rtol=TIGHT).highest
 
     # -- what is read from them --------------------------------------------------------------------
 
     @cached_property
     def turns(self) -> tuple[Turn, ...]:
         """The extrema of d over the amplitude, the ends of its range with them."""
-        return tuple(turn._replace(x=float(self.amplitudes(turn.x))) for turn in self.resolved.turns)
+        turns = tuple(turn._replace(x=float(self.amplitudes(turn.x))) for turn in self.resolved.turns)
+        return (*turns, self._graze) if self._graze else turns
+
+    @cached_property
+    def _graze(self) -> Turn | None:
+        """d(1), where polynomials do not end there: d changes to it within a layer at rest too thin for them."""
+        pieces = self.resolved.pieces
+        if not pieces or pieces[-1].high < len(self.edges) - 1:  # it is among those that are open
+            return None
+        graze = attempted(needed_ratio, self.system)
+        if isinstance(graze, Unknown):
+            return None
+        d, error = 2 * graze[0], 2 * graze[1]
+        last = self.resolved.turns[-1]
+        return Turn(1.0, d, error) if abs(d - last.value) > _CLEAR * (error + last.error) else None
 
     def signs(self, dampings: FloatArray, grows_at_rest: BoolArray) -> tuple[BoolArray, BoolArray, BoolArray]:
         """Return at which dampings over sqrt(k m) there is a cycle, at which a stable one, and where that is open.
@@ -184,13 +196,20 @@ class NeededDamping:
         none = np.zeros_like(grows_at_rest)
         if self.least > NEAREST or self.measured < 1 or not self.resolved.pieces:
             return none, none, ~none
-        sides = np.array([self.resolved.side(damping) for damping in dampings.tolist()])
+        sides = np.array([self._side(damping) for damping in dampings.tolist()])
         # Where all orbits grow, or shrink, while those about rest do not, there is a cycle that is smaller.
         cycle = (sides != 0) & ((sides > 0) != grows_at_rest)
         stable, unsure = cycle & grows_at_rest, none.copy()
         if (left := sides == 0).any():
             cycle[left], stable[left], unsure[left] = self._between(dampings[left], grows_at_rest[left])
         return cycle, stable, unsure
+
+    def _side(self, damping: float) -> int:
+        """Return 1 where d is shown to lie above a damping, -1 below, else 0."""
+        side = self.resolved.side(damping)
+        if self._graze and side * (self._graze.value - damping) <= _CLEAR * self._graze.error:
+            return 0
+        return side
 
     def _between(self, dampings: FloatArray, grows_at_rest: BoolArray) -> tuple[BoolArray, BoolArray, BoolArray]:
         """Return the same at dampings between the least and the largest d, by its extrema."""
@@ -226,7 +245,9 @@ class NeededDamping:
             elif i + 1 < len(turns) and signs[i] * signs[i + 1] < 0:
                 ends = turn.x, turns[i + 1].x
                 estimate = roots.get(self.resolved.turns[i].x)
-                yield self._polished(estimate, *ends, signs[i], damping), signs[i] > 0
+                in_layer = turns[i + 1] is self._graze
+                A = 1.0 if in_layer else self._polished(estimate, *ends, signs[i], damping)
+                yield A, signs[i] > 0
 
     def _sign(self, turn: Turn, damping: float) -> float:
         """Return the sign of d - damping at an extremum."""
@@ -275,17 +296,11 @@ def _values(system: Dimensionless, eta: FloatArray, A: FloatArray) -> Column:
     were measured it is the damping at which that begins.
     """
     rows = np.full((A.size, 5), float(End.LATE))
-    _spread(system, needed_all, (eta, np.zeros(A.size), A), _OF_ORBITS, rows)
+    few = 0 if is_ready(needed_all) else _FEW
+    system.spread(needed_all, (eta, np.zeros(A.size), A), (_OF_ORBITS,), rows, few=few)
+    check_time()
     rows[:, 1:] *= 2
     return damping_ratios(rows)
-
-
-def _spread(
-    system: Dimensionless, loop: Callable[..., None], orbits: tuple[FloatArray, ...], rtol: float, rows: FloatArray
-) -> None:
-    """Carry out a loop over orbits: compiled where its machine code is loaded, or worth that."""
-    system.spread(loop, orbits, (rtol,), rows, few=0 if is_ready(needed_all) else _FEW)
-    check_time()
 
 
 def resolve_together(needs: Sequence[NeededDamping]) -> None:
@@ -314,7 +329,8 @@ def resolve_together(needs: Sequence[NeededDamping]) -> None:
 def quick_speeds(table: FrictionTable, V: float) -> list[float]:
     """Return the slip speeds in m/s, ascending, at which a law has a kink or a jump, or changes quickly beside V.
 
-    It does so in pieces of its table that are narrower than those beside them: at both ends of these.
+    It does so in pieces of its table that are narrower than those beside them, at both ends of these, and at the
+    end of a layer at rest.
     """
     begins = np.append(table.pieces[:, 0], table.end)
     widths = np.diff(begins)
@@ -327,7 +343,8 @@ def quick_speeds(table: FrictionTable, V: float) -> list[float]:
         for end in (first, after)
     ]
     measured = [table.end] if math.isfinite(table.reach) else []
-    return sorted({*table.kinks, *map(float, narrow), *measured})
+    layer = [float(begins[runs[1]])] if widths[0] < _THIN * V < math.inf else []
+    return sorted({*table.kinks, *map(float, narrow), *measured, *layer})
 
 
 def needed_damping(law: FrictionLaw, osc: Oscillator) -> NeededDamping:

@@ -72,9 +72,9 @@ _ROUGH = 1e-4  # gap above which these steps show its sign
 _LOOSEST = 1e-6  # tolerance of steps in a search
 _FINER = 0.01  # times the tolerance, where it did not give the accuracy that is wanted
 _SHARE = 0.03  # of the error of the damping ratio that is wanted, a tolerance; and of that, its relative error
-_EVEN_SHARE = 1e-3  # of the relative error that is wanted, at most; all of it where friction is strong
+_EVEN_SHARE = 1e-2  # of the relative error that is wanted, at most; all of it where friction is strong
 _LOOSER = 10.0  # times the tolerance, for the estimate of what the integration is off
-_CLOSE = 1e-10  # gap from which a secant leads to its root
+_CLOSE = 100.0  # times the tolerance of steps, a gap from which a secant leads to its root within their errors
 _BENT = 0.01  # of a gap, that the last secant may be off
 _SLOW = 0.5  # of the gap before, above which the secant does not help
 _FALL = -2 * math.pi  # of the gap with zeta, where friction is weak
@@ -111,12 +111,14 @@ class Gap(NamedTuple):
     - `slope`: its derivative by the quantity of the wedge.
     - `leaves`: whether the forward half leaves the table of the law.
     - `rounding`: how far the value may be off for rounding alone.
+    - `highest`: the highest slip speed over V; infinite where the forward half leaves the table, or is lost.
     """
 
     value: float
     slope: float
     leaves: bool
     rounding: float
+    highest: float
 
 
 class Needed(NamedTuple):
@@ -209,23 +211,25 @@ def _across(half: Half, jump: float) -> Half:
 def gap(rise: Rise, eta: float, zeta: float, push: float, A: float, rtol: float, wedge: Wedge) -> Gap:
     """Return the gap; arguments as for `halves`."""
     ahead, back = halves(rise, eta, zeta, push, A, rtol, wedge, 0.0)
-    r_f, r_b = ahead.rate, back.rate
+    r_f, r_b, highest = ahead.rate, back.rate, ahead.highest
+    if ahead.outcome in (Outcome.LEAVES, Outcome.UNKNOWN):
+        highest = math.inf
     if ahead.outcome == Outcome.LEAVES:
-        return Gap(math.inf, 0.0, True, math.inf)
+        return Gap(math.inf, 0.0, True, math.inf, highest)
     arrives, came = ahead.outcome == Outcome.RETURNS, back.outcome == Outcome.RETURNS
     if arrives and r_f < 0.0 and (back.outcome == Outcome.CREEPS or (came and r_b >= 0.0)):
-        return Gap(math.inf, 0.0, False, math.inf)
+        return Gap(math.inf, 0.0, False, math.inf, highest)
     if came and (ahead.outcome == Outcome.CREEPS or (arrives and r_f >= 0.0)):
-        return Gap(-math.inf, 0.0, False, math.inf)
+        return Gap(-math.inf, 0.0, False, math.inf, highest)
     if not (arrives and came):
-        return Gap(math.nan, 0.0, False, math.inf)
+        return Gap(math.nan, 0.0, False, math.inf, highest)
     lifted = standing(rise.pieces, True)
     b = wedge.constant + wedge.linear
     if wedge.factor != 0.0:
         b += wedge.factor * standing(wedge.pieces, lifted >= standing(rise.pieces, False))
     slope = (b - ahead.wedge / r_f) / r_f - (b - back.wedge / r_b) / r_b
     rounding = ROUNDING * (1.0 + (abs(eta * lifted) + abs(push) + abs(zeta)) / abs(r_f))
-    return Gap(math.log(r_f / r_b), slope, False, rounding)
+    return Gap(math.log(r_f / r_b), slope, False, rounding, highest)
 
 
 @compilable
@@ -299,7 +303,7 @@ def _search(rise: Rise, eta: float, push: float, A: float, rtol: float, zeta: fl
     reach = 0.1 * max(abs(zeta), largest + abs(push))
     last, before = math.nan, math.nan
     for _ in range(_MOST_GAPS):
-        value, _, _, rounding = gap(rise, eta, zeta, push, A, rtol, no_wedge(rise))
+        value, _, _, rounding, _ = gap(rise, eta, zeta, push, A, rtol, no_wedge(rise))
         if is_late():
             return Needed(End.LATE, zeta, math.inf, low, high)
         if math.isnan(value):
@@ -312,7 +316,7 @@ def _search(rise: Rise, eta: float, push: float, A: float, rtol: float, zeta: fl
             slope = (value - before) / (zeta - last)
         closer, is_slow = zeta - value / slope, abs(value) > _SLOW * abs(before)
         last, before = zeta, value
-        if abs(value) <= max(_CLOSE, _LOOSER * rtol):
+        if abs(value) <= _CLOSE * rtol:
             loose = gap(rise, eta, zeta, push, A, _LOOSER * rtol, no_wedge(rise)).value
             off = abs(loose - value) + rounding + _BENT * abs(value)
             if rtol > PRECISE:
@@ -369,25 +373,12 @@ def damping_ratios(rows: FloatArray) -> Column:
 
 
 @compilable
-def _slope_all(rise: Rise, columns: Any, rtol: float, wedge: Wedge, rows: Any) -> None:
-    """Find how gaps of slips from P change with the quantity of a wedge, from eta, zeta and push."""
-    eta, zeta, push = columns
-    for i in range(len(eta)):
-        rows[i, 0] = gap(rise, eta[i], zeta[i], push[i], 1.0, rtol, wedge).slope
-
-
-@compilable
-def highest_all(rise: Rise, columns: Any, rtol: float, rows: Any) -> None:
-    """Find what the highest slip speeds over V of many orbits are at most, from eta, zeta and A.
-
-    That is infinite where an orbit leaves the table, or is lost.
-    """
-    eta, zeta, A = columns
+def gaps_all(rise: Rise, columns: Any, rtol: float, wedge: Wedge, rows: Any) -> None:
+    """Find the gaps of many orbits, from eta, zeta, push and A to rows as a `Gap` has them."""
+    eta, zeta, push, A = columns
     for i in range(len(A)):
-        ahead, _ = halves(rise, eta[i], zeta[i], 0.0, A[i], rtol, no_wedge(rise), 0.0)
-        rows[i, 0] = ahead.highest
-        if ahead.outcome in (Outcome.LEAVES, Outcome.UNKNOWN):
-            rows[i, 0] = math.inf
+        one = gap(rise, eta[i], zeta[i], push[i], A[i], rtol, wedge)
+        rows[i, 0], rows[i, 1], rows[i, 2], rows[i, 3], rows[i, 4] = one
 
 
 @compilable
@@ -411,15 +402,29 @@ def _harmonic(rise: Rise, eta: float, A: float) -> tuple[float, float]:
     return zeta, largest
 
 
-def gap_slope(system: Dimensionless, zeta: float, wedge: Wedge) -> float:
-    """Return how the gap of the slip from P changes with the quantity of a wedge, at a damping ratio."""
-    slip, rows = [np.array([value]) for value in (system.eta, zeta, system.push(1))], np.empty((1, 1))
-    fast = is_ready(needed_all)
-    if fast:
-        wedge = wedge._replace(pieces=np.array(wedge.pieces), shifts=np.array(wedge.shifts))
-    system.spread(_slope_all, slip, (TIGHT, wedge), rows, few=0 if fast else 1)
+def gap_at(system: Dimensionless, A: float, *, rtol: float, wedge: Wedge | None = None) -> Gap:
+    """Return the gap of an orbit at a system's own damping ratio: compiled, once that code is there.
+
+    - `A`: highest velocity over the belt's; 1 for the slip from P, static excess included.
+    - `rtol`: relative tolerance of the steps along which its sign is decided, where coarser ones do not.
+    - `wedge`: that of the quantity for which the derivative is wanted.
+    """
+    push = system.push(1) if A == 1.0 else 0.0
+    orbit = system.eta, system.zeta, push, A
     check_time()
-    return float(rows[0, 0])
+    if is_ready(needed_all):
+        source = no_wedge(system.rise) if wedge is None else wedge
+        arrays = source._replace(pieces=np.array(source.pieces), shifts=np.array(source.shifts))
+        rows = np.empty((1, len(Gap._fields)))
+        system.spread(gaps_all, [np.array([value]) for value in orbit], (rtol, arrays), rows, few=0)
+        value, slope, leaves, rounding, highest = rows[0].tolist()
+        found = Gap(value, slope, bool(leaves), rounding, highest)
+    elif wedge is None:
+        found = sure_gap(system.rise, *orbit, rtol)
+    else:
+        found = gap(system.rise, *orbit, rtol, wedge)
+    check_time()
+    return found
 
 
 def needed_ratio(

@@ -42,6 +42,11 @@ _NEAREST, _BESIDE = 1e-12, 1e-9  # over the reach, and over a displacement: wher
 _FARTHEST = 1e6  # displacement up to which cycles are sought where there is no reach
 _MOST = 4000  # rounds whose growth is computed
 _INSIDE = 0.9  # of R(0): all rounds grow up to there
+_LOOKS = (
+    24  # displacements, from the nearest to the farthest, at which it is asked whether rounds come in at once:
+)
+_DRAWN = 1e3  # to less than a thousandth, so that R is as good as constant there
+_ALIKE = 1e-6  # relative, periods of such a cycle by steps of two tolerances, or it is not known
 _LOST = Unknown("a round takes too many steps")
 
 _DEGREE = 14  # of the polynomials of a law
@@ -56,7 +61,10 @@ Kind = Literal["cycle", "jump", "open"]
 
 
 class Mark(NamedTuple):
-    """Two displacements, and what lies between: a limit cycle, a jump of R past q, or what is not resolved."""
+    """Two displacements, and what lies between: a limit cycle, a jump of R past q, or what is not resolved.
+
+    Between two different ones a limit cycle is stable: all rounds about it come to it at once, but for rounding.
+    """
 
     low: float
     high: float
@@ -133,60 +141,122 @@ def reach(system: Dimensionless) -> float:
 
 def rounds_outside(system: Dimensionless, rtol: float) -> Rounds:
     """Return where rounds outside P's orbit grow and shrink, with steps of a relative tolerance."""
-
-    def ends(q: FloatArray) -> FloatArray:
-        R = system.rounds(q, rtol, few=0)
-        check_time()
-        return np.where(np.isnan(R), 0.0, np.where(R < 0, math.nan, R))
-
-    def growth(x: FloatArray) -> Column:
-        q = np.exp(x)
-        R = ends(q)
-        with np.errstate(invalid="ignore"):
-            return Column.of(np.where(np.isinf(R), R, (R - q) / (R + q)), ADDED * rtol, _LOST)
-
     bound = float(reaches(system, np.array([system.eta]), np.array([system.zeta]))[0])
     if bound <= 0:
         return Rounds((), (-1,))
     bound = min(bound, reach(system))
-    first, inner, marks = float(ends(np.zeros(1))[0]), list[Mark](), list[Mark]()
-    if math.isnan(first):
+    from_P = system.rounds(np.zeros(1), rtol, few=0)
+    check_time()
+    first = from_P.ends.at(0)
+    if isinstance(first, Unknown):
         return Rounds((Mark(0.0, math.inf, "open"),), (0, 0))
     if first >= bound:  # as where it moves away for ever
         return Rounds((), (1,))
     far = min(bound, _FARTHEST * max(1.0, first))
-    low = _INSIDE * first
-    if first == 0:
-        inside, low = far * _NEAREST, far
-        at_inside, at_low = ends(np.array([inside, low])).tolist()
-        if at_low <= 0:
-            return Rounds((), (-1,))
-        while at_inside <= 0 and at_low > inside and low > inside * (1 + _BESIDE):
-            middle = math.sqrt(inside * low)
-            (R,) = ends(np.array([middle])).tolist()
-            inside, low, at_low = (middle, low, at_low) if R <= 0 else (inside, middle, R)
-        if at_inside > 0:
-            inside, low, at_low = 0.0, inside, at_inside
-        if (
-            at_low > inside
-        ):  # as where static friction holds the mass, faster than the belt, up to one displacement
-            inner.append(Mark(inside, low, "jump"))
-        if low >= far:
-            return Rounds(tuple(inner), (-1, *[1] * len(inner)))
-    growths = resolve(growth, [math.log(low), math.log(far)], rtol=ADDED * rtol, most=_MOST)
+    if system.table.static == 0 and not from_P.slower[0]:
+        inner, low = _sink(system, first, far, rtol)
+    elif first == 0:
+        inner, low = _held(system, far, rtol)
+    else:
+        inner, low = Rounds((), (1,)), _INSIDE * first
+    if low >= far:
+        return inner
+    outer = _beyond(system, low, far, rtol)
+    marks, growth = (*inner.marks, *outer.marks), (*inner.growth[:-1], *outer.growth)
+    if far < bound:
+        return Rounds((*marks, Mark(far, math.inf, "open")), (*growth, 0))
+    return Rounds(marks, growth)
+
+
+def _end(system: Dimensionless, q: float, rtol: float) -> float | Unknown:
+    """Return where one round ends."""
+    ends = system.rounds(np.array([q]), rtol, few=0).ends
+    check_time()
+    return ends.at(0)
+
+
+def _held(system: Dimensionless, far: float, rtol: float) -> tuple[Rounds, float]:
+    """Return what rounds do up to where none sticks any more, and from where they are to be looked at.
+
+    Up to there they shrink. Where static friction holds a mass, faster than the belt, up to one displacement, R
+    jumps.
+    """
+    inside, low = far * _NEAREST, far
+    at_inside, at_low = (_end(system, q, rtol) for q in (inside, low))
+    if isinstance(at_low, Unknown) or isinstance(at_inside, Unknown):
+        return Rounds((Mark(0.0, far, "open"),), (0, 0)), far
+    if at_low <= 0:
+        return Rounds((), (-1,)), far
+    if at_inside > 0:
+        inside, low, at_low = 0.0, inside, at_inside
+    while at_low > inside and low > inside * (1 + _BESIDE) and inside > 0:
+        middle = math.sqrt(inside * low)
+        R = _end(system, middle, rtol)
+        if isinstance(R, Unknown):
+            break
+        inside, low, at_low = (middle, low, at_low) if R <= 0 else (inside, middle, R)
+    if at_low > inside:
+        return Rounds((Mark(inside, low, "jump"),), (-1, 1)), low
+    return Rounds((), (-1,)), low
+
+
+def _sink(system: Dimensionless, first: float, far: float, rtol: float) -> tuple[Rounds, float]:
+    """Return the same of a law with mu(0) = 0, whose rounds may all come to one displacement but for rounding.
+
+    So they do where the mass slips so slowly beside the belt's speed that it all but sticks. R never falls: all
+    rounds from 0 to a displacement end between R(0) and its own end.
+    """
+    q = np.geomspace(max(first, far * _NEAREST), far, _LOOKS)
+    ends = system.rounds(q, rtol, few=0).ends
+    check_time()
+    come_in = np.flatnonzero(ends.known & (ends.filled(math.inf) <= q / _DRAWN))
+    if not come_in.size:
+        return Rounds((), (1,)), _INSIDE * float(q[0])
+    last = int(come_in[-1])
+    low, beyond = float(q[last]), float(q[min(last + 1, _LOOKS - 1)])
+    while beyond > low * (1 + _BESIDE):
+        middle = math.sqrt(low * beyond)
+        R = _end(system, middle, rtol)
+        comes_in = not isinstance(R, Unknown) and middle / _DRAWN >= R
+        low, beyond = (middle, beyond) if comes_in else (low, middle)
+    slips = [
+        system.slips(np.zeros(1), np.zeros(1), passes=1, rtol=each, few=0)
+        for each in (rtol, max(rtol / 10, PRECISE))
+    ]
+    periods = [slip.tau.item() for slip in slips]
+    kind: Kind = "cycle" if abs(periods[0] - periods[1]) <= _ALIKE * periods[0] else "open"
+    return Rounds((Mark(0.0, low / _DRAWN, kind),), (1, -1)), low
+
+
+def _beyond(system: Dimensionless, low: float, far: float, rtol: float) -> Rounds:
+    """Return what rounds do between two displacements: (R - q)/(R + q) is resolved in log q."""
+
+    def growth(x: FloatArray) -> Column:
+        q = np.exp(x)
+        ends = system.rounds(q, rtol, few=0).ends
+        check_time()
+        R = ends.filled(math.nan)
+        with np.errstate(invalid="ignore"):
+            grown = np.where(np.isinf(R), R, (R - q) / (R + q))
+            errors = 2 * q * ends.errors / (R + q) ** 2
+        return Column.of(grown, np.maximum(np.nan_to_num(errors), least), _LOST)
+
+    marks, least = list[Mark](), ADDED * rtol
+    growths = resolve(growth, [math.log(low), math.log(far)], rtol=least, most=_MOST)
     for begin, end in np.exp(joined(one[:2] for one in growths.open)).tolist():
-        R = ends(np.array([begin, end]))
-        if not (R[1] <= begin or R[0] >= end):
+        R = system.rounds(np.array([begin, end]), rtol, few=0).ends
+        passes = R.surely(below=begin)[1] or R.surely(above=end)[0]
+        if not passes:
             marks.append(Mark(begin, end, "open"))
     folds = [math.exp(turn.x) for turn in growths.turns[1:-1] if abs(turn.value) <= turn.error]
     marks += [Mark(q, q, "open") for q in folds]  # two cycles, or none
     for root in growths.roots():
-        off, before, after = (abs(growths(x)) > ADDED * rtol for x in root)
+        off, before, after = (abs(growths(x)) > least for x in root)
         kind: Kind = "jump" if off else "cycle" if before and after else "open"  # within errors
+        if growths(root.low) > 0 > growths(root.high) and before and after:
+            kind = "cycle"  # R never falls, and so does not jump there: it is all but constant
         marks.append(Mark(math.exp(root.x), math.exp(root.x), kind))
     marks.sort()
     begins, lasts = [low, *(mark.high for mark in marks)], [*(mark.low for mark in marks), far]
     between = [growths((math.log(begin) + math.log(end)) / 2) for begin, end in zip(begins, lasts, strict=True)]
-    signs = [int(np.sign(value)) * (abs(value) > ADDED * rtol) for value in between]
-    beyond = [Mark(far, math.inf, "open")] if far < bound else []
-    return Rounds((*inner, *marks, *beyond), (*[-1] * len(inner), *signs, *[0] * len(beyond)))
+    return Rounds(tuple(marks), tuple(int(np.sign(value)) * (abs(value) > least) for value in between))

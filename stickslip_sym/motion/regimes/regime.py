@@ -24,6 +24,7 @@ from stickslip_sym.core.aliases import FloatArray, ObjectArray
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
+from stickslip_sym.model.negative import note_at_rest
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.kernel.data import ADDED, End
 from stickslip_sym.motion.motion import Motion
@@ -31,7 +32,7 @@ from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles
 from stickslip_sym.motion.orbits.damping import NEAREST, needed_damping
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS
-from stickslip_sym.motion.regimes.overtaking import Rounds, rounds_outside
+from stickslip_sym.motion.regimes.overtaking import Mark, Rounds, rounds_outside
 from stickslip_sym.motion.regimes.separatrix import Separatrix, interpolated
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle, first_minimum, stick_slip_cycle
 from stickslip_sym.motion.simulation.simulate import simulate
@@ -192,16 +193,21 @@ class Regime(drawing.Drawn, DataResult):
         mu(0) = 0 never sticks, and its relaxation oscillation is of this kind. With a negative damping one may lie
         outside a stick-slip cycle, where friction rises faster with speed than damping.
         """
-        cycles = []
-        for mark in self.outside.marks:
-            if mark.kind == "cycle":
-                # By differences: where mu falls without bound at rest, as v^0.8, a wedge is lost in a step.
-                q = mark.low * (1 + _STEP * np.array([-1.0, 0.0, 1.0]))
-                below, gain, above = (self.system.rounds(q, self.rtol) - q).tolist()
-                slope = (above - below) / (q[2] - q[0])
-                whole = self.system.slip(q[1] - gain / slope, 0.0, passes=1, rtol=self.rtol)
-                cycles.append(LimitCycle.of(self.oscillator, 1 - whole.u_least, whole.tau, 1 + slope))
-        return tuple(cycles)
+        return tuple(self._overtaking(mark) for mark in self.outside.marks if mark.kind == "cycle")
+
+    def _overtaking(self, mark: Mark) -> LimitCycle:
+        """Return the limit cycle at a mark outside P's orbit."""
+        system, q, slope = self.system, mark.low, -1.0
+        if mark.low == mark.high:
+            # By differences: where mu falls without bound at rest, as v^0.8, a wedge is lost in a step.
+            beside = q * (1 + _STEP * np.array([-1.0, 0.0, 1.0]))
+            below, gain, above = (system.rounds(beside, self.rtol).ends.required() - beside).tolist()
+            slope = (above - below) / (beside[2] - beside[0])
+            q -= gain / slope
+        whole = system.slips(np.array([q]), np.zeros(1), passes=1, rtol=self.rtol, few=0).one(0)
+        if (refusal := system.refusal(whole, self.rtol)) is not None:
+            raise refusal
+        return LimitCycle.of(self.oscillator, 1 - whole.u_least, whole.tau, 1 + slope)
 
     @property
     def cycles(self) -> tuple[LimitCycle, ...]:
@@ -423,11 +429,8 @@ class Regime(drawing.Drawn, DataResult):
         words = list[str]()
         if not (self.attractors or self._misses_an_attractor):
             words.append("no attractor")
-        if self.law.bound.static == 0 and self.oscillator.N > 0:
-            words.append(
-                "mu(0) = 0: static friction holds nothing, and the mass slips slowly where it would stick by the "
-                "law without this regularisation"
-            )
+        if at_rest := note_at_rest(self.law.bound, self.oscillator.N):
+            words.append(at_rest)
         if self.unbounded:
             words.append("motions far out grow without bound: damping and friction feed them")
         return [*words, *(f"undecided: {text}" for text in self.undecided)]

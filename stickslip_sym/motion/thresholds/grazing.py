@@ -16,16 +16,16 @@ from stickslip_sym.model.expression.pieces import places, rate
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import Pieces
-from stickslip_sym.motion.kernel.data import ADDED, PRECISE, TIGHT, End, Wedge, no_wedge
-from stickslip_sym.motion.orbits.needed import PARTED, STRONG, gap, gap_slope, needed_ratio
+from stickslip_sym.motion.kernel.data import ADDED, PRECISE, TIGHT, End, Wedge
+from stickslip_sym.motion.orbits.needed import PARTED, STRONG, gap_at, needed_ratio
 from stickslip_sym.motion.slip import Dimensionless
 
 _LOOSEST = 1e-9  # relative error that is sought in any case: it costs about twice as much as 1e-3
 _LOOSEST_STRONG = 1e-8  # the same where friction is strong: 1e-9 would often take a second search
 _BEYOND = 1.5  # times the highest slip speed, up to which a derivative of the law is tabulated: steps try further
 _FAR = 10.0  # errors from a threshold at which the fate of the slip from P is asked for
-_ADDED = ADDED * TIGHT  # relative error of a slip as a whole, for friction,
-_SPRUNG = ADDED * PRECISE  # and for its steps, over the spring's force: friction may be far weaker
+_CLEAR = 10.0  # times the errors of a slip as a whole, from where its fate is certain
+_OF_SPRING = 0.1  # friction may be far weaker than the spring, whose share of these errors is that
 _MOST_STEPS = 2000  # of such a slip: the search for a threshold takes about as many
 _SAME = 1e-8  # relative distance of two slip speeds that are one, as the highest and one at which mu jumps
 
@@ -62,11 +62,13 @@ def _confirm(system: Dimensionless, zeta: float, off: float) -> None:
     largest = abs(zeta) + abs(system.push(1)) + abs(system.eta * system.table.rise(system.V))
     if max(off, largest) == 0.0:  # nothing but the spring acts, and all orbits are closed
         return
-    off = max(off, _ADDED * largest + _SPRUNG)
+    errors = ADDED * (largest + _OF_SPRING)  # of a slip, over the tolerance of its steps
+    off = max(off, _CLEAR * errors * PRECISE)
+    steps = off / (_CLEAR * errors)
     fates = ((zeta - off, (End.MINIMUM, End.REST), "does not return"), (zeta + off, (End.RETURN,), "returns"))
     for ratio, refuting, does in fates:
         beside = replace(system, zeta=ratio)
-        slip = beside.slip(0.0, 0.0, until=End.MINIMUM, level=1.0, rtol=PRECISE, most=_MOST_STEPS)
+        slip = beside.slip(0.0, 0.0, until=End.MINIMUM, level=1.0, rtol=steps, most=_MOST_STEPS)
         check_time()
         if slip.end in refuting:
             raise NotConverged(
@@ -88,14 +90,14 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     damped, wedge = replace(system, zeta=zeta + error), system.difference._replace(linear=-2.0)
     highest = damped.slip(0.0, 0.0, until=End.MAXIMUM).w
     near = [i for i, w in enumerate(rise.levels[:-1]) if rise.jumps[i] and abs(w - highest) <= _SAME * w]
-    parted = bool(near) and abs(gap(rise, eta, zeta, push, 1.0, TIGHT, no_wedge(rise)).value) > PARTED
+    parted = bool(near) and abs(gap_at(replace(system, zeta=zeta), 1.0, rtol=TIGHT).value) > PARTED
 
     def derivative(source: Wedge) -> float:
         if parted:
             check_time()
             top = damped.slip(0.0, 0.0, until=End.MAXIMUM, wedge=(source, 0.0))
             return top.wedge / (1.0 - top.w) - source.shifts[near[0]]
-        return gap_slope(system, zeta, source)
+        return gap_at(replace(system, zeta=zeta), 1.0, rtol=TIGHT, wedge=source).slope
 
     unit, slope = 2 * osc.impedance, derivative(wedge)
     if not slope < 0.0:  # no number, or 0 where a half creeps to rest

@@ -21,7 +21,7 @@ from stickslip_sym.core.uncertain import with_error
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
-from stickslip_sym.model.negative import warn_where_negative
+from stickslip_sym.model.negative import note_at_rest, warn_where_negative
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.methods import (
     Method,
@@ -224,6 +224,8 @@ class Threshold(QuantityResult, TableResult, Generic[Value]):
             text += f"; standard error {size} (parameters)"
         if np.any(self.value < -np.asarray(0.0 if self.error is None else self.error)):
             text += "; no damping is needed: a negative value says how much energy must be fed in for stick-slip"
+        if self.points.has_oscillator and (at_rest := note_at_rest(self.points.bound)):
+            text += f"; {at_rest}"
         return text
 
     def __repr__(self) -> str:

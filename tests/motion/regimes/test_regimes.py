@@ -252,3 +252,41 @@ def test_no_attractor_is_never_said_where_motions_lose_energy(monkeypatch):
     assert "was not found" in str(found)
     free = Regime(ss.laws.exponential.typical(), paper_oscillator(-50.0), 1e-12)
     assert "no attractor" in str(free)
+
+
+LAYER = "(0.2 + 0.3*exp(-3*v))*tanh(v/{})"
+
+
+@pytest.mark.parametrize(("width", "period"), [(1e-4, 6.34206), (1e-8, 6.34212)])
+def test_the_relaxation_cycle_of_a_regularised_law(width, period):
+    """It overtakes the belt by less than the layer, where R is all but constant; all functions know it."""
+    law, osc = ss.FrictionLaw(LAYER.format(width)), ss.Oscillator(m=1, k=1, V=1, N=1, c=0.06)
+    found = ss.regime(law, osc)
+    (cycle,) = found.overtaking
+    assert found.undecided == ()
+    assert [type(one).__name__ for one in found.attractors] == ["Rest", "LimitCycle"]
+    assert 0 <= cycle.amplitude - 1 < width
+    assert cycle.period == pytest.approx(period, rel=1e-6)
+    assert ss.classify(law, osc, x0=[-0.06, 2.0, 0.2], v0=[1.0, 1.0, 0.0]).tolist() == [
+        Motion.PURE_SLIP, Motion.PURE_SLIP, Motion.REST,
+    ]  # fmt: skip
+    assert ss.stick_slip_cycle(law, osc) is None
+    cell = ss.motion_map(law, x=("V", [1.0]), y=("c", [0.06]), N=1, m=1, k=1)
+    assert {name for name, exists in cell.attractors.items() if exists[0, 0]} == {"rest", "pure_slip"}
+    # Where the slip from P is not closed by the law without the layer the motion is its stick-slip cycle.
+    plain = ss.stick_slip_cycle("0.2 + 0.3*exp(-3*v)", osc)
+    assert cycle.period == pytest.approx(plain.period, rel=1e-4)
+
+
+@pytest.mark.parametrize("width", [1e-8, 1e-10])
+def test_a_cycle_within_a_layer_at_rest(width):
+    """Between d(1) = 0.087 and 0.1177 the cycle lies in the layer, however thin that is."""
+    law, osc = ss.FrictionLaw(LAYER.format(width)), ss.Oscillator(m=1, k=1, V=1, N=1, c=0.1)
+    inner, outer = ss.limit_cycles(law, osc)
+    assert (inner.stable, outer.stable) == (False, True)
+    assert inner.amplitude == pytest.approx(0.900421, abs=1e-6)
+    assert outer.amplitude == pytest.approx(1.0, abs=10 * width)
+    assert outer.period == pytest.approx(6.30532, rel=1e-5)
+    assert ss.regime(law, osc).attractors[1] == outer
+    high = ss.limit_cycles(law, ss.Oscillator(m=1, k=1, V=1, N=1, c=0.13))
+    assert high == ()

@@ -1,6 +1,7 @@
 """Thresholds: what they separate, steep laws, twelve decades of each quantity, and what is refused."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -215,3 +216,29 @@ def test_no_threshold_is_minus_zero(formula):
     for method in ("auto", "equilibrium", "least_squares", "harmonic", "second_order", "orbit"):
         assert not np.signbit(ss.pure_slip_damping(law, **POINT | {"V": [0.3, 0.9]}, method=method).value).any()
         assert str(ss.pure_slip_damping(law, **POINT, method=method)).startswith("0 kg/s")
+
+
+def test_a_jump_at_the_speed_of_the_belt():
+    """Below c = 3 the motion spirals to rest, where it is driven off; from there on it creeps to it."""
+    law = "0.6 - 0.1*v - Piecewise((0, v < 1), (0.4, True))"
+    point = {"V": 1.0, "N": 10.0, "m": 1.0, "k": 1.0}
+    found = ss.pure_slip_damping(law, **point, method="simulation", rtol=1e-9)
+    assert found.value == pytest.approx(3.0, rel=1e-9)
+    assert abs(found.value - 3.0) <= found.error
+    cycles = [ss.stick_slip_cycle(law, ss.Oscillator(c=c, **point)) for c in (3.0 - 1e-6, 3.0 + 1e-6)]
+    assert (cycles[0] is None, cycles[1] is None) == (False, True)
+
+
+@pytest.mark.parametrize(("V", "value"), [(0.5, 0.608019865), (0.1, -2.523740298)])
+def test_a_law_that_rises_from_rest_more_slowly_than_every_power(V, value):
+    """Savkoor's, whose table goes down to 1e-40 m/s: its narrow pieces there are no places to stop at."""
+    law = "0.6*exp(-0.1*(log(v/0.005)/log(10))^2)"
+    osc = ss.Oscillator(V=V, N=9.81, m=1, k=100, c=value - 0.01)
+    found = ss.pure_slip_damping(law, osc, method="simulation")
+    assert found.value == pytest.approx(value, rel=1e-7)
+    assert [ss.peak_velocity(law, replace(osc, c=value + off)) > V for off in (-0.01, 0.01)] == [True, False]
+
+
+def test_a_law_that_holds_nothing_is_said_to():
+    assert "mu(0) = 0" in str(ss.pure_slip_damping("0.3*tanh(v/1e-3)*exp(-v)", V=0.5, N=1, m=1, k=1))
+    assert "mu(0) = 0" not in str(ss.pure_slip_damping("0.3*exp(-v)", V=0.5, N=1, m=1, k=1))
