@@ -18,6 +18,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import FUNCTIONS
+from stickslip_sym.core.remedies import Call
 from stickslip_sym.core.status import Status
 from stickslip_sym.formula.average import Average, Differentiated
 from stickslip_sym.formula.closed_form import ClosedForm
@@ -47,7 +48,8 @@ def certificate_of_forms(forms: Sequence[ClosedForm]) -> str:
         if form.domain:
             raise InputError(
                 f"the closed form of {_where(form)} holds for {printing.text(form.domain[0])} only, where the "
-                "script has no rule; its derivation has the proof: print(form.derivation)"
+                "script has no rule; its derivation has the proof: ",
+                Call("print(form.derivation.text())", "derive LAW --steps"),
             )
     claims = "\n\n".join("\n".join(_Claim(form).lines()) for form in forms)
     body = f"claims = []\n\n{claims}\n\n\n{CHECKER}\n\nfor claim in claims:\n    prove(*claim)\n"

@@ -98,19 +98,27 @@ def derived(
 
 def _lines(form: ClosedForm) -> list[str]:
     """Return a form as lines of text, its formula no longer than a few screens."""
-    from stickslip_sym.formula.lettered import readable
+    from stickslip_sym.formula.proof.normal_form import arguments_of_arctangents, factor_of_sign
     from stickslip_sym.output import abbreviation, printing
 
     if form.law.curve is not None:
         shown = f"  c = average of the {form.law.curve} (--json has its cubics)"
         return [repr(form), "", shown, "", form.verdict.evidence]
-    general, letters = readable(form)
+    general, letters = form.readable
     shown = abbreviation.formula("c", general.expr)
     if len(shown) > _LONGEST:
         size = len(printing.text(general.expr))
         shown = f"{shown[:_LONGEST]}... ({size} characters; --latex and --json write it whole)"
-    values = ", ".join(f"{letter} = {printing.text(value)}" for letter, value in letters.items())
-    return [repr(form), "", shown, *([f"  where {values}"] if values else []), "", form.verdict.evidence]
+    values = ", ".join(
+        f"{letter} = {printing.value(value)}" for letter, value in letters.items() if general.expr.has(letter)
+    )
+    where = [f"  where {values}"] if values else []
+    where += [
+        f"  hyper((1/2, 1), (3/2,), z) is atanh(sqrt(z))/sqrt(z) for z > 0, atan(sqrt(-z))/sqrt(-z) for z < 0;"
+        f" z has the sign of {printing.text(factor_of_sign(z))}"
+        for z in arguments_of_arctangents(general.expr)
+    ]
+    return [repr(form), "", shown, *where, "", form.verdict.evidence]
 
 
 def _latex(form: ClosedForm, steps: bool) -> str:

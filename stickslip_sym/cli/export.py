@@ -15,6 +15,7 @@ from stickslip_sym.cli.options import Given, file_option, option, pairs
 from stickslip_sym.cli.output import echo_json
 from stickslip_sym.cli.reading import criteria_of, law_described
 from stickslip_sym.core.errors import InputError, NoClosedForm
+from stickslip_sym.core.names import suggestion
 from stickslip_sym.formula.code.languages import LANGUAGES
 
 _KINDS = ("latex", *LANGUAGES, "certificate", "save")
@@ -23,7 +24,7 @@ _KINDS = ("latex", *LANGUAGES, "certificate", "save")
 @options.command(
     click.Argument(["laws"], nargs=-1, **{**options.LAW_NAMES, "metavar": "[LAW]..."}),
     option("--all", is_flag=True, help="Every law of the catalogue."),
-    options.DESCRIPTION, options.criterion("all"),
+    options.DESCRIPTION, options.PARAMETER, options.criterion("all"),
     file_option("--latex", help="A LaTeX document."),
     *(file_option(f"--{name}", help=language.description) for name, language in LANGUAGES.items()),
     file_option("--certificate", help="A proof in plain SymPy, or FILE.v in Coq."),
@@ -113,14 +114,25 @@ def _laws(given: Given) -> list[ss.FrictionLaw]:
     if given["all"]:
         if texts:
             raise InputError(f"--all is every law already; leave out {', '.join(map(repr, texts))}")
-        return list(ss.laws.values())
+        return [_bound(law, given["parameter"]) for law in ss.laws.values()]
     if not texts:
         raise InputError("no law: give names (see: stickslip laws) or formulas in v, or --all")
     for position, text in enumerate(texts):
         if text in texts[:position]:
             raise InputError(f"the law {text!r} is given twice; give it once")
     described = given if len(texts) == 1 else defaultdict[str, Any](lambda: None)
-    return [law_described(described, text) for text in texts]
+    values, described_laws = given["parameter"], [law_described(described, text) for text in texts]
+    known = list(dict.fromkeys(name for law in described_laws for name in law.parameters))
+    for name in values:
+        if name not in known:
+            raise InputError(f"no law has a parameter {name!r}{suggestion(name, known)}")
+    return [_bound(law, values) for law in described_laws]
+
+
+def _bound(law: ss.FrictionLaw, values: dict[str, str]) -> ss.FrictionLaw:
+    """Give a law the values of its parameters: code has them as defaults."""
+    own = {name: value for name, value in values.items() if name in law.parameters}
+    return law.bind(**own) if own else law
 
 
 def _unbound(laws: list[ss.FrictionLaw], every: bool) -> list[ss.FrictionLaw]:

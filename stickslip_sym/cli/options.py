@@ -260,19 +260,20 @@ FILE_OF_MEASUREMENTS = [
 """How a file of measurements is read."""
 LAW_NAMES: dict[str, Any] = {"metavar": "[LAW]", "shell_complete": _complete(_law_names)}
 """What an argument or an option has that takes the name of a law, or a formula."""
+PARAMETER = pairs(
+    "--parameter",
+    "-p",
+    text="Value of a parameter of the law.",
+    example="-p alpha=3",
+    shell_complete=lambda context, _, begun: [one for one in _parameters_of(context) if one.startswith(begun)],
+)
 AT = [
     click.Argument(["law"], required=False, **LAW_NAMES),
     *DESCRIPTION,
     option("--from-csv", type=Path, metavar="FILE", help="Measured friction: v and mu, or v, F_t and F_n."),
     *FILE_OF_MEASUREMENTS,
     option("--extrapolate", is_flag=True, help="Hold the first and the last measured coefficient."),
-    pairs(
-        "--parameter",
-        "-p",
-        text="Value of a parameter of the law.",
-        example="-p alpha=3",
-        shell_complete=lambda context, _, begun: [one for one in _parameters_of(context) if one.startswith(begun)],
-    ),
+    PARAMETER,
     option("-V", "V", metavar="M/S", help=f"Belt speed ({PAPER['V']})."),
     option("-N", "N", metavar="N", help=f"Normal force ({PAPER['N']})."),
     option("-m", "m", metavar="KG", help=f"Mass ({PAPER['m']})."),

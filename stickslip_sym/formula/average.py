@@ -112,7 +112,9 @@ class Average:
     def _slack(self) -> list[tuple[Expr, Expr, Expr, int]]:
         """p, b, d, and a sign for each condition p > b or p < b: p = b + d or b - d with d > 0."""
         return [
-            (p.lhs, p.rhs, sp.Dummy(positive=True), 1 if isinstance(p, sp.Gt) else -1) for p in self.conditions
+            (p.lhs, p.rhs, sp.Dummy(positive=True), 1 if isinstance(p, sp.Gt) else -1)
+            for p in self.conditions
+            if p is not sp.false
         ]
 
     def _in_shapes(self, expr: Expr) -> Expr:
@@ -142,6 +144,8 @@ class Average:
     def require_integrable(self) -> None:
         """Refuse a profile that is infinite at v = 0+, faster than the weight vanishes there."""
         v = symbols.v
+        if sp.false in self.conditions:
+            raise self._diverges
         if self.criterion.weight is None or self.profile.subs(v, 0).is_finite is not False or self.conditions:
             return
         order = self.criterion.order_at_rest
@@ -163,7 +167,7 @@ class Average:
 
     @cached_property
     def conditions(self) -> tuple[Expr, ...]:
-        """Relations between the shapes without which the average does not exist.
+        """Relations between the shapes without which the average does not exist; false where it never does.
 
         A factor v^p of the profile asks for p + q > 0, the weight vanishing like (1 + s)^q where the slip speed
         is 0.
@@ -171,12 +175,18 @@ class Average:
         if self.criterion.weight is None:
             return ()
         bounds: list[Expr] = []
-        for term in sp.Add.make_args(sp.expand_mul(self.profile)):
+        terms = sp.Add.make_args(sp.expand_mul(self.profile))
+        for term in terms:
             powers = [factor.as_base_exp() for factor in sp.Mul.make_args(term)]
             exponent = sp.Add(*[power for base, power in powers if base == symbols.v])
             lowest = -self.criterion.order_at_rest  # of the exponents with an average, which exceed it
-            if not exponent.free_symbols or (exponent - lowest).is_positive:
+            if (exponent - lowest).is_positive:
                 continue
+            if not exponent.free_symbols:
+                strength = (term / symbols.v**exponent).subs(symbols.v, 0)
+                if len(terms) == 1 and exponent.is_negative and strength.is_finite and strength.is_nonzero:
+                    return (sp.false,)
+                continue  # another term may cancel it, or a factor outweigh it
             shape = sorted(exponent.free_symbols, key=str)[0]
             rate = sp.diff(exponent, shape)
             if rate.is_positive or rate.is_negative:
@@ -210,7 +220,7 @@ class Average:
             elif isinstance(part.by, AverageSeries) and verdict.status is Status.PROVED:
                 reason += f"; {AVERAGES_AGREE}"
         statement = self._in_shapes(sp.Eq(part.integral, part.value, evaluate=False))
-        return Step(operation, reason, statement, verdict, by=part.by)
+        return Step(operation, reason, statement, verdict, by=part.by, formulas=(self.profile,))
 
     def __repr__(self) -> str:
         return f"Average: {printing.text(self.profile)}, {self.criterion.name}"

@@ -17,6 +17,7 @@ from stickslip_sym.core.names import suggestion
 from stickslip_sym.core.numbers import Number, exact, require_type
 from stickslip_sym.core.progress import Step, listened_by, stages
 from stickslip_sym.core.remedies import Argument, Call
+from stickslip_sym.core.special import NumberPower
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.symbols import N, V, c, mu, v
 from stickslip_sym.criteria.criterion import Criterion, CriterionName, catalogue, find
@@ -25,6 +26,7 @@ from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.exact import exact_value
 from stickslip_sym.formula.limits import Limits, limits_of
 from stickslip_sym.formula.proof.gate import GATE_POINTS
+from stickslip_sym.formula.proof.normal_form import plain
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal
 from stickslip_sym.formula.slope_average import SlopeAverage
 from stickslip_sym.formula.tidy import tidy
@@ -33,16 +35,16 @@ from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.pieces import with_means
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law, laws
+from stickslip_sym.model.same_shape import law_of_same_shape
 from stickslip_sym.model.terms import Term, shapes_of
 from stickslip_sym.output import markup, printing
 from stickslip_sym.output.notation import check_known, notation_of
+from stickslip_sym.output.text_printer import is_decimal
 
-_REMEDY = (
-    ". Take the criterion as a fast function: ",
-    Call("stickslip_sym.slope_average", "export LAW --python FILE"),
-    "; or its value by quadrature: ",
-    Call("stickslip_sym.quadrature.damping", "derive LAW"),
-)
+_MOST_DIGITS = 6
+"""A number with more was multiplied together from the numbers of a law."""
+_HIGHEST_ROOT = 6
+"""A power of a number with a larger denominator is no root that a reader knows."""
 _FEW_TERMS = 3
 _SHORT = 60
 """Sums of more terms, and of more operations, keep the shares of their terms apart."""
@@ -100,7 +102,7 @@ class ClosedForm(SlopeAverage):
     def expr(self) -> Expr:
         """The damping coefficient c in kg/s, an expression in V, N and the law's parameters."""
         if self.general is not None:
-            return with_numbers(self.general.expr, self.meanings)
+            return plain(with_numbers(self.general.expr, self.meanings))
         if self._is_long:
             return sp.Add(*self._tidied)
         return tidy(self._sum, self.law.expr, V)
@@ -141,7 +143,9 @@ class ClosedForm(SlopeAverage):
         if self.general is not None:
             return self._from_letters(self.general)
         derivation = Derivation(
-            f"{law.name or 'law'}/{criterion.name}", f"The {criterion.name} criterion for mu(v) = {law.text}"
+            f"{law.name or 'law'}/{criterion.name}",
+            f"The {criterion.name} criterion for mu(v) = {law.text}",
+            formulas=(sp.Eq(mu(v), law.expr, evaluate=False),),
         )
         derivation.equal(
             "split the law into terms, each an amplitude times a profile of v over a scale",
@@ -151,7 +155,9 @@ class ClosedForm(SlopeAverage):
             shown=mu(v),
         )
         for average in dict.fromkeys(average for _, average in self.averages):
-            derivation.steps.extend(average.steps)
+            terms = [term for term, other in self.averages if other is average]
+            meanings = tuple({v: v / term.scale, V: V / term.scale, **term.shapes} for term in terms)
+            derivation.steps.extend(replace(step, meanings=meanings) for step in average.steps)
         if self._is_long:
             for share, tidied in zip(self._shares, self._tidied, strict=True):
                 derivation.equal("write the share of a term in short", "algebra", share, tidied)
@@ -168,15 +174,19 @@ class ClosedForm(SlopeAverage):
     def _from_letters(self, general: "ClosedForm") -> Derivation:
         """Return the steps for the law in letters, and that which puts its numbers in."""
         title = f"The {self.criterion.name} criterion for mu(v) = {self.law.text}"
-        derivation = Derivation(general.derivation.name, title, list(general.derivation.steps))
+        name = f"{self.law.name or 'law'}/{self.criterion.name}"
+        shown = sp.Eq(mu(v), self.law.expr, evaluate=False)
+        derivation = Derivation(name, title, list(general.derivation.steps), (shown,))
         letters = ", ".join(f"{letter} = {printing.text(value)}" for letter, value in self.meanings.items())
         in_letters = printing.text(general.law.expr)
+        equations = [sp.Eq(letter, value, evaluate=False) for letter, value in self.meanings.items()]
         derivation.equal(
             f"put in {letters}",
             f"the formula holds for all positive values of the letters in mu(v) = {in_letters}",
             with_numbers(general.expr, self.meanings),
             self.expr,
             shown=c,
+            formulas=(*equations, general.law.expr),
         )
         return derivation
 
@@ -248,6 +258,13 @@ class ClosedForm(SlopeAverage):
         return self.verdict
 
     @cached_property
+    def readable(self) -> tuple["ClosedForm", Mapping[Expr, Expr]]:
+        """The form to print, and what its letters stand for: that in letters, where numbers make a long mix."""
+        if self.general is None or not _is_mixed(self.expr, self.law.expr):
+            return self, {}
+        return self.general, self.meanings
+
+    @cached_property
     def limits(self) -> Limits:
         """What the criterion tends to as V falls to 0, and as V grows."""
         if self.general is not None:
@@ -303,10 +320,11 @@ class ClosedForm(SlopeAverage):
             form = replace(form, general=self.general.sensitivity(name), meanings=self.meanings)
         for term, average in form.averages:
             if average.closed is None:
-                raise NoClosedForm(f"{printing.text(term.expr)}, a term of dmu/d{name}, has no closed form here")
-        _require(form.verdict)
+                words = f"{printing.text(term.expr)}, a term of dmu/d{name}, has no closed form here"
+                raise NoClosedForm(words, *_other_ways(self.criterion))
+        _require(form.verdict, self.criterion)
         if form.general is None:
-            _require(prove_equal(sp.diff(self.expr, symbol), form.expr))
+            _require(prove_equal(sp.diff(self.expr, symbol), form.expr), self.criterion)
         return form
 
     @cached_property
@@ -366,20 +384,23 @@ class ClosedForm(SlopeAverage):
         return self._exactly(point, digits)
 
     def latex(self, symbols: Mapping[str, str] | None = None) -> str:
-        r"""Return the criterion as a LaTeX equation, ``c = ...``.
+        r"""Return the criterion as a LaTeX equation, ``c = ...``; behind it conditions, and values of letters.
 
         Parameters
         ----------
         symbols : mapping of str to str, optional
             Names and what they shall be printed as, e.g. ``{"V": "v_b", "alpha": r"\beta"}``.
         """
-        given = symbols or {}
-        check_known(given, ["c", *self.arguments])
-        names = notation_of(["c", *self.arguments], given)
-        conditions = [
-            f"\\quad {printing.latex(condition, names)}" for condition in (*self.conditions, *self.domain)
+        given, (shown, letters) = symbols or {}, self.readable
+        check_known(given, ["c", *shown.arguments])
+        names = notation_of(["c", *shown.arguments], given)
+        behind = [printing.latex(relation, names) for relation in (*self.conditions, *self.domain)]
+        behind += [
+            f"{printing.latex(letter, names)} = {printing.latex_value(value)}"
+            for letter, value in letters.items()
+            if shown.expr.has(letter)
         ]
-        return ", ".join([f"{names['c']} = {printing.latex(self.expr, names)}", *conditions])
+        return ", \\quad ".join([f"{names['c']} = {printing.latex(shown.expr, names)}", *behind])
 
     def certificate(self, language: Literal["sympy", "coq"] = "sympy") -> str:
         """Return a proof of this formula that needs nothing of this package.
@@ -503,9 +524,25 @@ def derive(
         raise NoClosedForm(
             f"the time limit of {time_limit:g} s was reached while {stage}; give it more time with ",
             Argument("time_limit"),
-            ", or take the criterion by ",
-            Call("stickslip_sym.slope_average", f"damping LAW --method {criterion.name}"),
+            *_other_ways(criterion),
         ) from None
+
+
+def _is_mixed(expr: Expr, law: Expr) -> bool:
+    """Whether numbers of an expression were multiplied together from those of a law, or are powers of such."""
+    powers = [node for node in expr.atoms(NumberPower, sp.Pow) if node.args[0].is_Rational]
+    if any(power.args[1].is_Rational and power.args[1].q > _HIGHEST_ROOT for power in powers):
+        return True
+    own = {abs(number) for number in law.atoms(sp.Rational)}
+    others = {abs(number) for number in expr.atoms(sp.Rational)} - own
+    return any(_digits(number) > _MOST_DIGITS for number in others)
+
+
+def _digits(number: Expr) -> int:
+    """Return how many digits a reader sees of a number."""
+    if is_decimal(number):
+        return len(printing.text(number).replace(".", "").lstrip("0"))
+    return max(len(str(number.p)), len(str(number.q)))
 
 
 def _differentiated(term: Term, criterion: Criterion, parameter: Expr) -> list[Term]:
@@ -533,6 +570,8 @@ def _differentiated(term: Term, criterion: Criterion, parameter: Expr) -> list[T
 def _derived(law: FrictionLaw, criterion: Criterion, search: bool) -> ClosedForm:
     """Derive a form by that of the law in letters, or by itself where a number was needed to decide something."""
     form = ClosedForm(law, criterion, law.terms)
+    for term, average in form.averages:
+        average.require_conditions(term)
     general, meanings = _in_letters(law)
     if meanings:
         with suppress(NoClosedForm):
@@ -542,10 +581,15 @@ def _derived(law: FrictionLaw, criterion: Criterion, search: bool) -> ClosedForm
 
 
 def _in_letters(law: FrictionLaw) -> tuple[FrictionLaw, Mapping[Expr, Expr]]:
-    """Return a law with letters for its long numbers, and what they stand for; a curve through points as it is."""
+    """Return a law with letters for its long numbers, and what they stand for; a curve through points as it is.
+
+    The letters are those of the catalogue's law of the same shape, where there is one.
+    """
     found = lettered(law.expr)
     if law.curve is not None or not found.meanings:
         return law, {}
+    if (of_catalogue := law_of_same_shape(law)) is not None:
+        return of_catalogue
     kept = [p for p in law.parameters.values() if p.symbol in found.expr.free_symbols]
     letters = [Parameter(letter.name) for letter in found.meanings]
     try:
@@ -577,26 +621,33 @@ def _in_stages(form: ClosedForm, search: bool, begin: Callable[[str], None]) -> 
         try:
             average.find(search=search)
         except NoClosedForm as failure:
-            raise NoClosedForm(
-                f"the term {name} has no closed form that is known here: {failure}", *_REMEDY
-            ) from None
+            words = f"the term {name} has no closed form that is known here: {failure}"
+            raise NoClosedForm(words, *_other_ways(form.criterion)) from None
     for term, average in form.averages:
         name = printing.text(term.profile)
         begin(f"comparing the average of {name} with its definition at {GATE_POINTS} points")
-        _require(average.gate)
+        _require(average.gate, form.criterion)
         begin(f"proving the average of {name}")
         for step in average.steps:
-            _require(step.verdict)
+            _require(step.verdict, form.criterion)
     begin("adding up the averages")
-    _require(form.verdict)
+    _require(form.verdict, form.criterion)
     return form
 
 
-def _require(verdict: Verdict) -> None:
+def _other_ways(criterion: Criterion) -> tuple[str | Call, ...]:
+    """Return what a user can do where there is no closed form, as the end of a message."""
+    return (
+        ". Take the criterion as a fast function: ",
+        Call("stickslip_sym.slope_average", "export LAW --python FILE"),
+        "; or its value at one operating point: ",
+        Call("stickslip_sym.quadrature.damping", f"damping LAW --method {criterion.name}"),
+    )
+
+
+def _require(verdict: Verdict, criterion: Criterion) -> None:
     """Refuse a formula that was refuted, or that could be neither proved nor checked."""
-    if verdict.status is Status.REFUTED:
-        raise NoClosedForm(f"a formula was found but refuted, so it is not returned: {verdict.evidence}")
-    if verdict.status is Status.ESTIMATED:
-        raise NoClosedForm(
-            f"a formula was found but could not be checked, so it is not returned: {verdict.evidence}"
-        )
+    outcomes = {Status.REFUTED: "refuted", Status.ESTIMATED: "could not be checked"}
+    if verdict.status in outcomes:
+        words = f"a formula was found but {outcomes[verdict.status]}, so it is not returned: {verdict.evidence}"
+        raise NoClosedForm(words, *_other_ways(criterion))

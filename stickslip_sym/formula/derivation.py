@@ -1,6 +1,7 @@
 """`Derivation`: a list of steps, each with its operation, its reason, its result and a computed verdict."""
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from textwrap import shorten
 
@@ -8,7 +9,7 @@ import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.status import Status
-from stickslip_sym.core.symbols import QUANTITIES
+from stickslip_sym.core.symbols import QUANTITIES, V, v
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal, prove_positive
 from stickslip_sym.formula.proof.theorems import By
 from stickslip_sym.output import markup, printing
@@ -41,6 +42,11 @@ class Step(DataResult):
     lhs : sympy.Expr, optional
         What was proved equal to the right side, where `statement` gives it a name; what was proved positive, its
         derivatives not carried out.
+    formulas : tuple of sympy.Basic
+        The formulas that stand in `operation` and `reason` as text.
+    meanings : tuple of mapping
+        What v, V and other symbols of the statement are in terms of the law, for each of its terms, where v and V
+        are speeds in units of a scale.
     """
 
     reported = ("operation", "reason", "statement", "verdict", "label")
@@ -52,6 +58,8 @@ class Step(DataResult):
     label: str = ""
     by: By | None = None
     lhs: Expr | None = None
+    formulas: tuple[Expr, ...] = ()
+    meanings: tuple[Mapping[Expr, Expr], ...] = ()
 
     def __repr__(self) -> str:
         label = f" {self.label}" if self.label else ""
@@ -72,11 +80,14 @@ class Derivation(DataResult):
     title : str
         One line that says what is derived from what.
     steps : list of Step
+    formulas : tuple of sympy.Basic
+        The formulas that stand in the title as text.
     """
 
     name: str
     title: str
     steps: list[Step] = field(default_factory=list)
+    formulas: tuple[Expr, ...] = ()
 
     def equal(
         self,
@@ -88,13 +99,15 @@ class Derivation(DataResult):
         label: str = "",
         by: By | None = None,
         shown: Expr | None = None,
+        formulas: tuple[Expr, ...] = (),
     ) -> Expr:
         """Add the step lhs = rhs, prove or refute it, and return `rhs`.
 
-        `shown` is what the equation is printed as, when the left side has a name.
+        `shown` is what the equation is printed as, when the left side has a name; `formulas` stand in the words.
         """
         statement = sp.Eq(lhs if shown is None else shown, rhs, evaluate=False)
-        self.steps.append(Step(operation, reason, statement, prove_equal(lhs, rhs, by), label, by, lhs))
+        verdict = prove_equal(lhs, rhs, by)
+        self.steps.append(Step(operation, reason, statement, verdict, label, by, lhs, formulas))
         return rhs
 
     def positive(self, operation: str, reason: str, expr: Expr, *, label: str = "") -> None:
@@ -138,20 +151,26 @@ class Derivation(DataResult):
         heading : str, optional
             LaTeX that stands above instead of the title.
         """
-        known = notation_of(QUANTITIES) | {"mu": r"\mu"} | dict(names or {})
+        # Parameters of a law are no words of these sentences: an a is an article.
+        known = notation_of(QUANTITIES) | {"mu": r"\mu"}
+        known |= {name: latex for name, latex in (names or {}).items() if name in known}
         names = self._names(names)
-        parts = [f"\\paragraph{{{heading or prose(self.title, known)}.}}"]
+        title = _words(self.title, self.formulas, known, names)
+        parts = [f"\\paragraph{{{heading or title}.}}"]
         for step in self.steps:
-            statement = step.statement
+            statement, written = step.statement, _in_units(step, names)
             shown = equation(
-                printing.latex(statement.lhs, names),
+                printing.latex(statement.lhs, written),
                 statement.rhs,
-                names,
+                written,
                 relation=statement.rel_op.replace("==", "="),
                 tag=step.label,
             )
-            words = f"{prose(step.operation, known)}: {prose(step.reason, known)}."
-            parts.append(f"{words[0].upper()}{words[1:]}\n{shown}\n% {step.verdict.status.value}")
+            here = known | {name: latex for name, latex in written.items() if name in known}
+            said = [_words(text, step.formulas, here, written) for text in (step.operation, step.reason)]
+            words = ": ".join(said)
+            units = _units(step, names, written)
+            parts.append(f"{words[0].upper()}{words[1:]}{units}.\n{shown}\n% {step.verdict.status.value}")
         return "\n\n".join(parts) + "\n"
 
     def _names(self, given: Mapping[str, str] | None = None) -> dict[str, str]:
@@ -181,3 +200,37 @@ class Derivation(DataResult):
 
     def __repr__(self) -> str:
         return f"Derivation: {self.name}, {len(self.steps)} steps, {self.status.value}"
+
+
+def _words(text: str, formulas: Sequence[Expr], known: Mapping[str, str], names: Mapping[str, str]) -> str:
+    """Return a sentence as LaTeX, the formulas in it as formulas, wherever they stand there as text."""
+    for formula in formulas:
+        found = re.search(rf"(?<!\w){re.escape(printing.text(formula))}(?!\w)", text)
+        if found is not None:
+            others = [other for other in formulas if other is not formula]
+            before, after = text[: found.start()], text[found.end() :]
+            shown = f"${printing.latex(formula, names, inline=True)}$"
+            return _words(before, others, known, names) + shown + _words(after, others, known, names)
+    return prose(text, known)
+
+
+def _in_units(step: Step, names: Mapping[str, str]) -> dict[str, str]:
+    """Return names with a hat on each speed that is in units of a scale, so that a letter means one thing."""
+    scaled = {speed.name for meaning in step.meanings for speed in (v, V) if meaning.get(speed, speed) != speed}
+    usual = notation_of(QUANTITIES) | dict(names)
+    return dict(names) | {name: f"\\hat{{{usual[name]}}}" for name in scaled}
+
+
+def _units(step: Step, names: Mapping[str, str], written: Mapping[str, str]) -> str:
+    """Say what the speeds in units of a scale, and the shapes of a profile, are."""
+    lists = []
+    for meaning in step.meanings:
+        said = {symbol: value for symbol, value in meaning.items() if symbol != value}
+        of_term = [
+            f"${printing.latex(symbol, written)} = {printing.latex(value, names, inline=True)}$"
+            for symbol, value in said.items()
+            if step.statement.has(symbol) or symbol in (v, V)
+        ]
+        lists.append(", ".join(of_term))
+    lists = [text for text in dict.fromkeys(lists) if text]
+    return f"; here {', or '.join(lists)}" if lists else ""

@@ -7,6 +7,7 @@ a comment.
 import itertools
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import compress
 from typing import Any
 
 from stickslip_sym.core import symbols as quantities
@@ -15,9 +16,9 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import FUNCTIONS
 from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.formula.code import writer
-from stickslip_sym.formula.lettered import readable
+from stickslip_sym.formula.proof.normal_form import arguments_of_arctangents, factor_of_sign
 from stickslip_sym.formula.slope_average import SlopeAverage
-from stickslip_sym.formula.transition_speeds import transition_speeds
+from stickslip_sym.formula.transition_speeds import Sign, transition_speeds
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.output import printing
 from stickslip_sym.output.abbreviation import equation
@@ -34,14 +35,17 @@ _PREAMBLE = r"""\documentclass[10pt]{article}
 """
 _FRAGMENT = r"% A fragment for \input; it needs \usepackage{amsmath}." + "\n"
 _TABLE = r"""\begin{center}
-\begin{tabular}{@{}lp{66mm}ll@{}}
+\begin{tabular}{@{}%s@{}}
   \hline
-  symbol & meaning & unit & typical value \\
+  %s \\
   \hline
 %s
   \hline
 \end{tabular}
 \end{center}"""
+_COLUMNS = {"symbol": "l", "meaning": "p{66mm}", "unit": "l", "typical value": "l"}
+"""What is said of a symbol, and how the column is set."""
+_UNDESCRIBED = "parameters of the law"
 
 
 def _listed(items: Any, kind: Any, expected: str) -> list[Any]:
@@ -202,13 +206,28 @@ def _about(law: FrictionLaw, mark: str, names: Mapping[str, str]) -> Iterator[st
     texts = {"Source": law.source, "Validity": law.validity}
     if any(texts.values()):
         yield "\n".join(f"{word}: {prose(text, names)}." for word, text in texts.items() if text)
+    yield _table(law, names)
+
+
+def _table(law: FrictionLaw, names: Mapping[str, str]) -> str:
+    """Return the table of symbols, without columns that would be empty; what is not described is one row."""
     known = {name: quantities.QUANTITIES[name] for name in "cNVv"}
-    rows = [(name, quantity.meaning, quantity.unit, "") for name, quantity in known.items()]
-    rows += [(p.name, p.meaning, p.unit or "", p.typical or "") for p in law.parameters.values()]
-    cells = [(f"${names[name]}$", _meaning(meaning, names), _unit(unit), typical and f"${typical}$")
-             for name, meaning, unit, typical in rows]  # fmt: skip
-    lines = [f"  {' & '.join(row)} \\\\" for row in cells]
-    yield _TABLE % "\n".join(lines)
+    rows = [(f"${names[name]}$", _meaning(quantity.meaning, names), _unit(quantity.unit), "")
+            for name, quantity in known.items()]  # fmt: skip
+    undescribed = []
+    for p in law.parameters.values():
+        symbol = f"${names[p.name]}$"
+        if not (p.meaning or p.unit or p.typical):
+            undescribed.append(symbol)
+            continue
+        typical = f"${p.typical}$" if p.typical else ""
+        rows.append((symbol, _meaning(p.meaning, names), _unit(p.unit or ""), typical))
+    if undescribed:
+        rows.append((", ".join(undescribed), _UNDESCRIBED.removesuffix("s" * (len(undescribed) == 1)), "", ""))
+    filled = [any(column) for column in zip(*rows, strict=True)]
+    kept = list(compress(_COLUMNS, filled))
+    lines = [f"  {' & '.join(compress(row, filled))} \\\\" for row in rows]
+    return _TABLE % ("".join(_COLUMNS[title] for title in kept), " & ".join(kept), "\n".join(lines))
 
 
 def _meaning(text: str, names: Mapping[str, str]) -> str:
@@ -220,12 +239,12 @@ def _meaning(text: str, names: Mapping[str, str]) -> str:
 def _unit(text: str) -> str:
     """Return a unit upright, its powers raised."""
     raised = re.sub(r"\^(.)", r"^{\1}", text).replace("*", r"\,")
-    return f"$\\mathrm{{{raised}}}$" if text else ""
+    return f"$\\mathrm{{{raised}}}$" if text not in ("", "1") else text
 
 
 def criterion_latex(form: ClosedForm, label: str) -> str:
     """Return a closed form as one displayed equation, its long numbers as letters with their values below it."""
-    shown, letters = readable(form)
+    shown, letters = form.readable
     names = notation_of(["c", *shown.arguments])
     return equation(names["c"], shown.expr, names, label=label, letters=letters)
 
@@ -233,7 +252,7 @@ def criterion_latex(form: ClosedForm, label: str) -> str:
 def _criterion(
     form: ClosedForm, mark: str, given: Mapping[str, str], steps: bool, certificate: str
 ) -> Iterator[str]:
-    criterion, (shown, letters) = form.criterion, readable(form)
+    criterion, (shown, letters) = form.criterion, form.readable
     names = notation_of(["mu", *quantities.QUANTITIES, *shown.law.parameters], given)
     source = f" ({prose(criterion.source, {'V': names['V']})})" if criterion.source else ""
     label = f"eq:{mark}-{criterion.label}"
@@ -242,7 +261,8 @@ def _criterion(
         f"% exact: c = {printing.text(form.expr)}",
         equation(names["c"], shown.expr, names, label=label, letters=letters),
     ]
-    lines += [f"Here {row.meaning}." for row in FUNCTIONS.values() if row.meaning and form.expr.has(row.kind)]
+    lines += [f"Here {row.meaning}." for row in FUNCTIONS.values() if row.meaning and shown.expr.has(row.kind)]
+    lines += [_cases(z, names) for z in arguments_of_arctangents(shown.expr)]
     lines += [*_ends(shown, names), _vanishing(form, names)]
     kind = "Proof for Coq" if certificate.endswith(".v") else "Certificate"
     note = f"\\footnote{{{kind}: \\texttt{{{prose(certificate)}}}.}}" if certificate else ""
@@ -252,34 +272,51 @@ def _criterion(
         yield form.derivation.latex(names, heading=f"Derivation of (\\ref{{{label}}})")
 
 
+def _cases(z: Expr, names: Mapping[str, str]) -> str:
+    """Say what 2F1(1/2, 1; 3/2; z) is for either sign of z, which is that of a discriminant."""
+    deciding = printing.latex(factor_of_sign(z), names, inline=True)
+    positive = r"$\operatorname{artanh}(\sqrt{z})/\sqrt{z}$ for $z > 0$"
+    negative = r"$\arctan(\sqrt{-z})/\sqrt{-z}$ for $z < 0$"
+    return (
+        f"The function ${{}}_{{2}}F_{{1}}(1/2, 1; 3/2; z)$ is {positive}, {negative}, and $1$ for $z = 0$; "
+        f"its argument has the sign of ${deciding}$."
+    )
+
+
 def _ends(form: ClosedForm, names: Mapping[str, str]) -> Iterator[str]:
     for where, value in (("0", form.limits.at_rest), ("\\infty", form.limits.far)):
         place = f"${names['V']} \\to {where}$"
         if value is None:
             yield f"Its limit for {place} was not found."
+            continue
+        relation, verb = (r"\sim", "grows as") if value.has(quantities.V) else (r"\to", "tends to")
+        text = printing.latex(value, names, inline=True)
+        if width(text) < LINE / 3:
+            yield f"For {place} it {verb} ${text}$."
         else:
-            grows = value.has(quantities.V)
-            said = _stated(names["c"], value, names, r"\sim" if grows else r"\to")
-            yield f"For {place} it {'grows as' if grows else 'tends to'} {said}"
-
-
-def _stated(left: str, value: Expr, names: Mapping[str, str], relation: str) -> str:
-    """Return the end of a sentence: a relation in the line, or displayed where it is long."""
-    text = printing.latex(value, names, inline=True)
-    if width(text) < LINE / 3:
-        return f"${text}$." if relation == r"\to" else f"${left} {relation} {text}$."
-    return "\n" + displayed(left, printing.latex(value, names), relation=relation)
+            yield f"For {place}\n" + displayed(names["c"], printing.latex(value, names), relation=relation)
 
 
 def _vanishing(form: ClosedForm, names: Mapping[str, str]) -> str:
+    """Say at which belt speeds a criterion vanishes, or what its sign is at all of them."""
     vanishing, V = transition_speeds(form), names["V"]
     if vanishing.everywhere:
         return "It is $0$ at all belt speeds."
     if vanishing.formula is not None:
-        return f"It vanishes at the transition speed {_stated(V, vanishing.formula, names, '=')}"
+        text = printing.latex(vanishing.formula, names, inline=True)
+        if width(text) < LINE / 3:
+            return f"It vanishes at the transition speed ${V} = {text}$."
+        return "It vanishes at the transition speed\n" + displayed(V, printing.latex(vanishing.formula, names))
     if vanishing.values is None:
         return "No formula was found for its zeros, the transition speeds of the undamped oscillator."
+    given = "For the typical values it" if vanishing.at_typical_values else "It"
+    if vanishing.sign is not None:
+        falls, relation = ("falls", ">") if vanishing.sign is Sign.POSITIVE else ("rises", "<")
+        return (
+            f"{given} has no zeros: ${names['mu']}({names['v']})$ {falls} at all slip speeds, so "
+            f"${names['c']} {relation} 0$ at all belt speeds."
+        )
     if not vanishing.values:
-        return "For the typical values it vanishes nowhere: there is no transition speed without damping."
+        return f"{given} has no zeros: there is no transition speed of the undamped oscillator."
     speeds = " and ".join(f"at ${V} = {value:.6g}$\\,m/s" for value in vanishing.values)
-    return f"For the typical values it vanishes {speeds}, and nowhere else; no formula for this is known here."
+    return f"{given} vanishes {speeds}, and nowhere else; no formula for this is known here."

@@ -6,6 +6,7 @@ counted exactly; or where the slope of mu has one sign. Others are critical valu
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from enum import Enum
 
 import sympy as sp
 
@@ -17,24 +18,37 @@ from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.model.expression.letters import with_numbers
 
 
+class Sign(Enum):
+    """The sign of a criterion that vanishes nowhere."""
+
+    POSITIVE = 1
+    NEGATIVE = -1
+
+
 @dataclass(frozen=True)
 class TransitionSpeeds:
     """The belt speeds at which a criterion vanishes.
 
     - `formula`: the only one, in terms of the parameters.
-    - `values`: all in m/s for the typical parameters, ascending; None where they are not known exactly.
+    - `values`: all in m/s, ascending; None where they are not known exactly.
+    - `sign`: that of the criterion at all belt speeds, where the slope of mu has one sign.
+    - `at_typical_values`: whether values and sign are those for the typical parameters.
     - `everywhere`: whether it vanishes at all belt speeds.
     """
 
     formula: Expr | None = None
     values: tuple[float, ...] | None = None
     everywhere: bool = False
+    sign: Sign | None = None
+    at_typical_values: bool = False
 
 
 def transition_speeds(form: ClosedForm) -> TransitionSpeeds:
     """Return the belt speeds at which a criterion vanishes, by formula or for the typical parameters."""
     if form.expr == 0:
         return TransitionSpeeds(everywhere=True)
+    if (sign := _sign(form, {})) is not None:
+        return TransitionSpeeds(values=(), sign=sign)
     if form.general is not None:
         vanishing = transition_speeds(form.general)
         if vanishing.formula is not None:
@@ -59,14 +73,22 @@ def _at_typical_values(form: ClosedForm) -> TransitionSpeeds:
     if law.missing:
         return TransitionSpeeds()
     point = law.point
-    if (exactly := _of_rational_function(form.expr, point)) is not None:
-        return exactly
+    sign, values = _sign(form, point), _of_rational_function(form.expr, point)
+    if sign is not None:
+        values = ()
+    return TransitionSpeeds(values=values, sign=sign, at_typical_values=bool(point))
+
+
+def _sign(form: ClosedForm, point: Mapping[Expr, Expr]) -> Sign | None:
+    """Return the sign of an average of a slope of one sign at all slip speeds; None where that is not known."""
     mu = sp.Add(*(term.expr for term in form.terms))
+    if mu.has(sp.Piecewise) or not _is_average(form.criterion):
+        return None
     # With V for v, which is positive where a slip speed may be 0.
     slope = without_squares(sp.diff(mu, symbols.v)).xreplace({**point, symbols.v: symbols.V})
-    if not mu.has(sp.Piecewise) and _is_average(form.criterion) and (slope.is_positive or slope.is_negative):
-        return TransitionSpeeds(values=())
-    return TransitionSpeeds()
+    if slope.is_positive:
+        return Sign.NEGATIVE
+    return Sign.POSITIVE if slope.is_negative else None
 
 
 def _is_average(criterion: Criterion) -> bool:
@@ -77,7 +99,7 @@ def _is_average(criterion: Criterion) -> bool:
     return all(inside.count(root) % 2 == 0 for root in inside)
 
 
-def _of_rational_function(expr: Expr, point: Mapping[Expr, Expr]) -> TransitionSpeeds | None:
+def _of_rational_function(expr: Expr, point: Mapping[Expr, Expr]) -> tuple[float, ...] | None:
     """Return all zeros of a rational function of V at rational values of its parameters; None for another one."""
     per_force = expr.xreplace({symbols.N: sp.S.One, **point})
     if not per_force.is_rational_function(symbols.V):
@@ -86,4 +108,4 @@ def _of_rational_function(expr: Expr, point: Mapping[Expr, Expr]) -> TransitionS
     if not all(c.is_Rational for c in polynomial.all_coeffs()):
         return None
     roots = (float(root) for root in polynomial.real_roots(multiple=False, radicals=False) for root in root[:1])
-    return TransitionSpeeds(values=tuple(root for root in roots if root > 0))
+    return tuple(root for root in roots if root > 0)

@@ -17,7 +17,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.balls import ball_value
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.model.expression.letters import lettered
+from stickslip_sym.model.expression.letters import lettered, with_numbers
 from stickslip_sym.model.expression.pieces import RELATIONS, place_of
 from stickslip_sym.model.taylor_model import cancels, poles
 
@@ -54,7 +54,7 @@ class Term:
     def in_parameters(self, function: Expr) -> Expr:
         """Return a function of the shapes and of speeds in units of the scale in terms of the law's parameters."""
         belt = {symbols.V: symbols.V / self.scale}
-        return _at_scale(function.subs({**belt, **self.shapes}, simultaneous=True), 1 / self.scale)
+        return _at_scale(with_numbers(function, {**belt, **self.shapes}), 1 / self.scale)
 
     def __hash__(self) -> int:
         return hash((self.amplitude, self.scale, self.profile, tuple(self.shapes.items())))
@@ -202,7 +202,7 @@ def _at_scale(rest: Expr, scale: Expr) -> Expr:
         node: relative < sp.powsimp(place_of(node) / scale)
         for node in rest.atoms(*RELATIONS) if node.has(symbols.v)
     }  # fmt: skip
-    return rest.xreplace(relations).subs(symbols.v, scale * relative).xreplace({relative: symbols.v})
+    return with_numbers(rest.xreplace(relations), {symbols.v: scale * relative}).xreplace({relative: symbols.v})
 
 
 def _simplified(expr: Expr) -> Expr:

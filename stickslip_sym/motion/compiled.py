@@ -53,7 +53,7 @@ def is_compiling() -> bool:
     """Whether numba is there; where it is not, a line on the log says once what it would do."""
     if find_spec("numba") is not None:
         return True
-    _say("many motions are computed in plain Python; pip install 'stickslip_sym[fast]' makes that 30 times faster")
+    _say("many motions are computed in plain Python; pip install numba makes that 30 times faster")
     return False
 
 

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping
+from functools import cache
 from operator import itemgetter
 from textwrap import fill
 
@@ -10,12 +11,14 @@ import sympy as sp
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.output.layout import LINE, displayed, width
 from stickslip_sym.output.notation import look, notation_of
-from stickslip_sym.output.printing import latex
+from stickslip_sym.output.printing import latex, latex_value
 from stickslip_sym.output.tables import WIDTH
 from stickslip_sym.output.text_printer import text
 
 _LETTERS = "qphrwgz"
-_BLOCK = 40  # characters from which on what stands repeatedly gets a letter, roots always
+_BLOCK = 40  # characters that a letter for what stands repeatedly must save; roots always have one
+_LEAST_BLOCK = {False: 40, True: 10}  # characters of what gets a letter, in a formula and in one of many lines
+_MANY_LINES = 4.0  # from which on short blocks, and the terms of the sum, get letters too
 _LONG = 400  # characters of a formula as text from which on it is broken
 _INDENT = "  "
 Definitions = list[tuple[Expr, Expr]]
@@ -32,32 +35,47 @@ def equation(
     - `style`: what `displayed` takes.
     """
     known, definitions = dict(names), Definitions()
-    if width(latex(right, names)) > LINE:
-        right, definitions = _repeated(right)
+    wide = width(latex(right, names))
+    if wide > LINE:
+        right, definitions = _repeated(right, is_long=wide > _MANY_LINES * LINE)
         for power in sorted(right.atoms(sp.Pow), key=sp.default_sort_key):
             if power.base.is_Add and power.exp.is_negative and width(latex(power.base, names)) > LINE / 2:
                 symbol = sp.Dummy("denominator", positive=True)
                 right = right.xreplace({power: symbol**power.exp})
                 definitions.append((symbol, power.base))
-        right, definitions = _with_letters(right, definitions, names)
+        right, terms = _summed(right, names)
+        right, definitions = _with_letters(right, [*definitions, *terms], names)
         known |= notation_of(symbol.name for symbol, _ in definitions)
     shown = displayed(left, latex(right, known), **style)
-    where = [displayed(known[symbol.name], latex(value, known)) for symbol, value in definitions]
     used = set().union(right.free_symbols, *(value.free_symbols for _, value in definitions))
+    where = [displayed(known[symbol.name], latex(value, known)) for symbol, value in definitions]
     numbers = [
-        f"${latex(symbol, known)} = {latex(value, inline=True)}$"
+        f"${latex(symbol, known)} = {latex_value(value)}$"
         for symbol, value in (letters or {}).items()
         if symbol in used
     ]
-    parts = [shown, *(["where", *where] if where else []), *([f"where {', '.join(numbers)}."] if numbers else [])]
-    return "\n".join(parts)
+    said = f"{'with' if where else 'where'} {_listed(numbers)}." if numbers else ""
+    return "\n".join([shown, *(["where", *where] if where else []), *([said] if said else [])])
+
+
+def _listed(items: list[str]) -> str:
+    """Return items as a list in a sentence."""
+    return " and ".join(filter(None, [", ".join(items[:-1]), items[-1]]))
+
+
+def _summed(expr: Expr, names: Mapping[str, str]) -> tuple[Expr, Definitions]:
+    """Give symbols to the wide terms of a sum of many lines."""
+    if not expr.is_Add or width(latex(expr, names)) < _MANY_LINES * LINE:
+        return expr, Definitions()
+    terms = [(sp.Dummy("term", real=True), term) for term in expr.args if width(latex(term, names)) > LINE]
+    return expr.xreplace({term: symbol for symbol, term in terms}), terms
 
 
 def formula(left: str, expr: Expr) -> str:
     """Return an equation as indented text: ``left = expr``, in a long one letters for what stands repeatedly."""
     if len(text(expr)) <= _LONG:
         return f"{_INDENT}{left} = {text(expr)}"
-    expr, definitions = _with_letters(*_repeated(expr), {})
+    expr, definitions = _with_letters(*_repeated(expr, is_long=len(text(expr)) > _MANY_LINES * _LONG), {})
     where = [f"{_INDENT}where"] if definitions else []
     return "\n".join(
         [_wrapped(left, expr), *where, *(_wrapped(letter.name, value) for letter, value in definitions)]
@@ -71,14 +89,16 @@ def _wrapped(left: str, expr: Expr) -> str:
     )  # fmt: skip
 
 
-def _repeated(expr: Expr) -> tuple[Expr, Definitions]:
-    """Give symbols to what stands repeatedly: the simplest roots first, then the longest other parts."""
-    definitions = Definitions()
+def _repeated(expr: Expr, *, is_long: bool) -> tuple[Expr, Definitions]:
+    """Give symbols to what stands repeatedly: the simplest roots first, then the longest other parts.
+
+    In a formula that `is_long`, shorter parts have one too if they stand there often.
+    """
+    definitions, written = Definitions(), cache(text)
     while True:
         nodes = [node for node in sp.preorder_traversal(expr) if isinstance(node, sp.Expr) and node.args]
         roots = Counter(node.base for node in nodes if _is_root(node))
         bases = [base for base, count in roots.items() if count > 1]
-        blocks = [node for node, count in Counter(nodes).items() if count > 1]
         if bases:
             base = min(bases, key=lambda base: (base.count_ops(), sp.default_sort_key(base)))
             symbol = sp.Dummy("root", positive=True)
@@ -86,11 +106,17 @@ def _repeated(expr: Expr) -> tuple[Expr, Definitions]:
             definitions.append((symbol, sp.sqrt(base)))
             expr = expr.xreplace({power: symbol ** (2 * power.exp) for power in powers})
             continue
-        sized = [(len(shown := text(node)), shown, node) for node in blocks]
-        size, _, block = max(sized, key=itemgetter(0, 1), default=(0, "", None))  # two roots may be printed alike
-        if size < _BLOCK:
+        sized = [
+            (len(written(node)), written(node), node)
+            for node, count in Counter(nodes).items()
+            if (count - 1) * len(written(node)) >= _BLOCK
+            and len(written(node)) >= _LEAST_BLOCK[is_long]
+            and node.has(sp.Add, sp.Function)  # a^4 is read as it stands
+        ]
+        if not sized:
             return expr, definitions
-        definitions.append((sp.Dummy("block"), block))
+        *_, block = max(sized, key=itemgetter(0, 1))  # two roots may be printed alike
+        definitions.append((sp.Dummy("block", positive=block.is_positive), block))
         expr = expr.xreplace({block: definitions[-1][0]})
 
 

@@ -57,7 +57,7 @@ def require_matplotlib() -> None:
     try:
         import matplotlib.figure  # noqa: F401  # only to see that it is there, and whole
     except ImportError:
-        raise InputError("plots need matplotlib: pip install 'stickslip_sym[plot]'") from None
+        raise InputError("plots need matplotlib: pip install matplotlib") from None
 
 
 def styled(**more: Any) -> Any:

@@ -343,3 +343,8 @@ def latex(expr: Expr, names: Mapping[str, str] | None = None, *, inline: bool = 
     dummies = spellings(expr, names or ())
     written = [dummies.get(symbol, symbol.name) for symbol in expr.atoms(sp.Symbol)]
     return str(_Latex(distinct_notation(written, names or {}), dummies, slashes=inline).doprint(elementary(expr)))
+
+
+def latex_value(number: Expr) -> str:
+    """Return the value of a letter in a line of text: a number that has a decimal as that, 1/10 as 0.1."""
+    return (decimal(number, least=2) if number.is_Rational else "") or latex(number, inline=True)

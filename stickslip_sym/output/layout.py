@@ -43,7 +43,7 @@ with the space that TeX sets around an operator (20/9 on each side) or a relatio
 name, a comma or an integral (5/3), and with what larger brackets are wider than plain ones."""
 _WITH_ARGUMENTS: dict[str, tuple[int, Callable[..., float]]] = {
     r"\frac": (2, lambda top, below: max(top, below) + 3.0), r"\sqrt": (1, lambda inner: inner + 9.0),
-    r"\operatorname": (1, lambda inner: inner + 3.4),
+    r"\operatorname": (1, lambda inner: inner + 3.4), r"\hat": (1, float),
     **dict.fromkeys((r"\mathrm", r"\mathit", r"\text", r"\textrm"), (1, float)),
     **dict.fromkeys("^_", (1, lambda script: 0.76 * script + 0.6)),
 }  # fmt: skip
@@ -165,31 +165,88 @@ _SIGNS = {character: "\\" + character for character in "&%$#_{}"} | {
     **{lowered: f"$_{{{plain}}}$" for lowered, plain in zip("₀₁₂₃₄₅₆₇₈₉₊₋", "0123456789+-", strict=True)},
 }  # fmt: skip
 _NOT_SET = re.compile("[ĦħĸĿŀŉŦŧſ]|[^ -~¡-ſ‐-–—‘’‚“”„†‡•…‰‹›€™]")
-_WORD = re.compile(r"(sqrt)\((\w+)\)|([A-Za-z]\w*)(?:\^(\d))?|(\d)[+]|(.)", re.S)
+_WORD = re.compile(
+    r"(sqrt)\((\w+)\)|([A-Za-z]\w*)('*)\((\w+)\)|([A-Za-z]\w*)(?:\^(\d))?|(\d)[+]|(\d+(?:\.\d+)?)|( )|(.)", re.S
+)
+_ARTICLE = re.compile(r" (?!(?:and|as|at|by|for|in|is|of|or|to)\b)[A-Za-z]{2}")
+"""What follows an a, A or I that is a word, not a symbol."""
+_BETWEEN = {"=": "=", "+": "+", "/": "/"} | {
+    sign: _SIGNS[sign].strip("$") for sign in "<>≤≥≈≠→−" if _SIGNS[sign].startswith("$")
+}
+"""Signs that make one formula of what stands on either side."""
 
 
 def prose(text: str, names: Mapping[str, str] | None = None) -> str:
-    """Return plain words as LaTeX; names of symbols in them become mathematics.
+    """Return plain words as LaTeX; names of symbols in them become mathematics, and relations between them too.
 
     - `names`: LaTeX of the symbols; single letters count only if they are among them.
 
     Raises `InputError` for a character that pdflatex has no sign for.
     """
     text = unicodedata.normalize("NFC", re.sub(r"\s+", " ", text))
-    known = names or {}
-
-    def word(match: re.Match[str]) -> str:
-        root, radicand, name, power, number, other = match.groups()
-        if root:
-            return f"$\\sqrt{{{known.get(radicand, radicand)}}}$"
-        if number:
-            return f"${number}^{{+}}$"
-        if name in known:
-            return f"${known[name]}{f'^{{{power}}}' if power else ''}$"
-        return "".join(map(_sign, name or other)) + (f"$^{{{power}}}$" if power else "")
-
+    pieces = [_piece(match, names or {}) for match in _WORD.finditer(text)]
+    words = "".join(f"${content}$" if is_formula else content for content, is_formula in _joined(pieces))
     # After an abbreviation TeX would leave the space that follows a sentence.
-    return re.sub(r"\b(e\.g\.|eq\.) ", r"\1~", _WORD.sub(word, text)).replace(" - ", " $-$ ")
+    return re.sub(r"\b(e\.g\.|eq\.) ", r"\1~", words).replace(" - ", " $-$ ")
+
+
+def _piece(match: re.Match[str], known: Mapping[str, str]) -> tuple[str, bool]:
+    """Return a word, a number or a sign as LaTeX, and whether that is a formula."""
+    root, radicand, function, primes, argument, name, power, above, number, space, other = match.groups()
+    if root:
+        return f"\\sqrt{{{known.get(radicand, radicand)}}}", True
+    if function:
+        if function in known and argument in known:
+            return f"{known[function]}{primes}({known[argument]})", True
+        called, inside = (f"${known[word]}$" if word in known else _signs(word) for word in (function, argument))
+        return f"{called}{primes}({inside})", False
+    if above:
+        return f"{above}^{{+}}", True
+    is_article = name in ("a", "A", "I") and _ARTICLE.match(match.string, match.end())
+    if name in known and not is_article:
+        return f"{known[name]}{f'^{{{power}}}' if power else ''}", True
+    written = _signs(name or number or space or other)
+    return written + (f"$^{{{power}}}$" if power else ""), False
+
+
+def _signs(word: str) -> str:
+    return "".join(map(_sign, word))
+
+
+def _joined(pieces: Sequence[tuple[str, bool]]) -> list[tuple[str, bool]]:
+    """Make one formula of those with a relation or an operation between them, and of numbers behind these."""
+    joined: list[tuple[str, bool]] = []
+    left = list(pieces)
+    while left:
+        piece = left.pop(0)
+        sign, skipped = _operation(left) if piece[1] else ("", 0)
+        while sign and skipped < len(left) and _is_operand(left, skipped):
+            gap = "" if sign == "/" else " "
+            piece = (f"{piece[0]}{gap}{sign}{gap}{left[skipped][0]}", True)
+            del left[: skipped + 1]
+            while len(left) > 1 and left[0][0] == " " and left[1][1]:  # a product
+                piece = (f"{piece[0]} {left[1][0]}", True)
+                del left[:2]
+            sign, skipped = _operation(left)
+        joined.append(piece)
+    return joined
+
+
+def _operation(pieces: Sequence[tuple[str, bool]]) -> tuple[str, int]:
+    """Return the sign with which pieces begin, and how many it takes with the spaces around it."""
+    contents = [content for content, _ in pieces[:3]]
+    spaced = contents[:1] == [" "]
+    sign = contents[spaced] if len(contents) > spaced else ""
+    known = next((latex for character, latex in _BETWEEN.items() if sign == _SIGNS.get(character, character)), "")
+    behind = contents[1 + spaced : 2 + spaced] == [" "]
+    return (known, 1 + spaced + behind) if known and spaced == behind else ("", 0)
+
+
+def _is_operand(pieces: Sequence[tuple[str, bool]], position: int) -> bool:
+    """Whether a piece is a formula, or a number that is no part of a word or of a power."""
+    content, is_formula = pieces[position]
+    following = pieces[position + 1][0] if position + 1 < len(pieces) else " "
+    return is_formula or (content.replace(".", "").isdigit() and following in (" ", ",", ";", ".", ")"))
 
 
 def _sign(character: str) -> str:

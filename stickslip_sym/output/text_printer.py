@@ -101,6 +101,11 @@ def decimal(number: Expr, *, shortest: bool = False, least: int = _LEAST_DENOMIN
     return ""
 
 
+def value(number: Expr) -> str:
+    """Return the value of a letter as it was written: a number that has a decimal as that, 1/10 as 0.1."""
+    return (decimal(number, least=2) if number.is_Rational else "") or text(number)
+
+
 def is_decimal(number: Expr) -> bool:
     """Whether a rational that is no integer has a decimal, as fitted numbers have."""
     return bool(number.is_Rational and number.q != 1 and decimal(number))

@@ -7,8 +7,9 @@ import sympy as sp
 from sweeps import sweep
 
 import stickslip_sym as ss
-from stickslip_sym.formula.lettered import readable
-from stickslip_sym.model.expression.letters import lettered
+from stickslip_sym.core.symbols import v
+from stickslip_sym.model.expression.letters import lettered, with_numbers
+from stickslip_sym.model.same_shape import law_of_same_shape
 
 FAMILIES = (
     "{0} + {1}*exp(-{2}*v)", "{0} + {1}*exp(-(v/{2})^{3})", "{0}*(1 + v/{1})^(-{2}) + {3}*v",
@@ -29,11 +30,28 @@ def test_numbers_of_any_length_give_the_formula_in_letters(family, digits):
     assert form.verdict.status is ss.Status.PROVED
     assert form.general is not None
     assert not [n for n in form.general.expr.atoms(sp.Rational) if max(abs(n.p), n.q) > 1000]
-    assert sp.expand(lettered(form.law.expr).put_back(form.general.law.expr) - form.law.expr) == 0
+    assert sp.expand(with_numbers(form.general.law.expr, form.meanings) - form.law.expr) == 0
     expected = ss.quadrature.damping(form.law, "least_squares", V="0.7", N=3, digits=30)
     assert abs(form.evaluate(30, V="0.7", N=3) / expected - 1) < 1e-27
     assert form(V=0.7, N=3.0) == pytest.approx(float(expected), rel=1e-12)
     assert ss.slope_average(formula)(V=0.7, N=3.0) == form(V=0.7, N=3.0)
+
+
+NAMED = ("exponential", "stribeck_viscous", "logarithmic", "tanh", "kragelskii", "hyperbolic")
+
+
+@sweep("name", NAMED, 0, 1, 4)
+def test_letters_are_those_of_the_catalogues_law_of_the_same_shape(name):
+    law, rng = ss.laws[name], random.Random(name)
+    values = {p: str(rng.randint(1001, 1999) / 2000 + (p == "mu_s")) for p in law.parameters}
+    numbers_of = {law.parameters[p].symbol: sp.Rational(value) for p, value in values.items()}
+    special = ss.FrictionLaw(with_numbers(law.expr, numbers_of))
+    assert special.parameters == {}
+    found = law_of_same_shape(special)
+    assert found is not None
+    assert found == (law, numbers_of)
+    # What is one part of another shape is not taken for it.
+    assert law_of_same_shape(ss.FrictionLaw(special.expr + sp.asin(1 / (2 + v)) / 9)) is None
 
 
 def test_a_letter_is_one_number_wherever_it_stands():
@@ -76,10 +94,11 @@ def test_an_exponent_too_low_for_the_weight_is_refused_as_a_number_is(order):
 
 def test_long_numbers_are_printed_as_letters_with_their_values():
     form = ss.derive("0.2134 + 0.3127*exp(-4.713*v)")
-    shown, letters = readable(form)
+    shown, letters = form.readable
     assert shown is form.general
-    assert {str(value) for value in letters.values()} == {"1067/5000", "3127/10000", "4713/1000"}
+    values = {str(letter): str(value) for letter, value in letters.items()}
+    assert values == {"mu_s": "5261/10000", "mu_m": "1067/5000", "alpha": "4713/1000"}  # as of `exponential`
     text = ss.export_latex(form)
     assert "where $" in text
     assert "4.713" in text
-    assert not readable(ss.derive("0.2 + 0.3*exp(-v)"))[1]
+    assert not ss.derive("0.2 + 0.3*exp(-v)").readable[1]

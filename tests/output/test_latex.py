@@ -125,8 +125,9 @@ def test_notation_that_prints_one_symbol_is_taken(latex):
 @pytest.mark.parametrize(
     ("formula", "letters"),
     [
-        ("mu_0 - 0.0185*v + 0.3*exp(-3.712345*v) + 0.1*v^3/5.1^3", ["0.0185", "3.712345", "1326.51"]),
-        ("0.31234 + 0.123/(1 + v/0.0777)", []),
+        ("mu_0 - 0.0185*v + 0.3*exp(-3.712345*v) + 0.1*v^3/5.1^3", ["0.0185", "3.712345", "0.3", "1326.51"]),
+        ("0.31234 + 0.123/(1 + v/0.0777)", ["0.43534", "0.31234", "0.0777"]),
+        ("0.4 + 0.31*v^1.5 - 0.1234*v", []),
         ("0.4 - 0.1234*v", []),
     ],
 )
@@ -134,7 +135,7 @@ def test_long_numbers_of_a_document_get_letters(formula, letters):
     form = ss.derive(formula)
     tex = ss.export_latex(form)
     _, shown, _ = re.split(r"\\label\{eq:law-least_squares\}|Verification:", tex)
-    given = re.findall(r"\$(\\?\w+_\{\d\}) = ([^$]+)\$", shown)
+    given = re.findall(r"\$(\\?\w+_\{(?:\d|\\mathrm\{\w\})\}) = ([^$]+)\$", shown)
     assert [value for _, value in given] == letters
     assert max(map(int, re.findall(r"\d+", re.sub(r"\d+\.\d+|%.*", "", shown)))) < 10**5
     right = latex_reader.sides(re.split(r"\\end\{equation\}", shown)[0] + r"\end{equation}")[1]
@@ -189,12 +190,14 @@ def test_lines_break_at_the_outermost_sum():
     ("text", "latex"),
     [
         ("coefficient of v^3 at v = 0+, 5% & more, e.g. v_s/sqrt(2) < 1",
-         r"coefficient of $v^{3}$ at $v$ = $0^{+}$, 5\% \& more, e.g.~$v_s$/$\sqrt{2}$ $<$ 1"),
+         r"coefficient of $v^{3}$ at $v = 0^{+}$, 5\% \& more, e.g.~$v_s/\sqrt{2} < 1$"),
+        ("a mass, and a of v_s: N mu'(v) + a > 0, a = 0.5 kg/s",
+         r"a mass, and $a$ of $v_s$: N $\mu'(v) + a > 0$, $a = 0.5$ kg/s"),
         ("Szabó – μ_α ≤ 10⁻³,\n x₀ → ∞", r"Szabó – $\mu$\_$\alpha$ $\le$ 10$^{-}$$^{3}$, x$_{0}$ $\to$ $\infty$"),
     ],
 )  # fmt: skip
 def test_prose(text, latex):
-    assert layout.prose(text, {"v": "v", "v_s": "v_s"}) == latex
+    assert layout.prose(text, {"v": "v", "v_s": "v_s", "a": "a", "mu": r"\mu"}) == latex
     with pytest.raises(ss.InputError, match="the character 'Ж' has no sign"):
         layout.prose("Жуков")
 
@@ -213,7 +216,12 @@ def test_derivations_print_every_step():
     derivation = form_of("exponential", "least_squares").derivation
     text = derivation.latex()
     assert len(re.findall(r"\\begin\{equation\*\}", text)) == len(derivation.steps) == 3
-    assert r"\int_{0}^{2 V}" in text
+    # What is in units of a scale has a hat, and says what it is; formulas in sentences are formulas.
+    assert r"\int_{0}^{2 \hat{V}}" in text
+    assert r"here $\hat{v} = \alpha v$, $\hat{V} = \alpha V$." in text
+    assert r"Average the profile $\mathrm{e}^{-\hat{v}}$, speeds" in text
+    assert r"if $c + N \mu'(V) > 0$." in form_of("exponential", "equilibrium").derivation.latex()
+    assert text.startswith(r"\paragraph{The least\_squares criterion for $\mu(v) = \mu_{\mathrm{m}} + ")
 
 
 # -- widths ----------------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ from stickslip_sym.certificates.coq.integral import Integral
 from stickslip_sym.certificates.coq.printer import Unsupported
 from stickslip_sym.certificates.coq.slope import Slope
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.remedies import Argument, Name
+from stickslip_sym.core.remedies import Call, Name
 from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.output import printing
 
@@ -32,7 +32,7 @@ def coq_script(form: ClosedForm) -> str:
         raise InputError(
             f"a script in Coq has weights that are polynomials, and the criterion {criterion.name!r} has "
             f"{printing.text(criterion.weight)}; its certificate in SymPy proves it: ",
-            Argument("language", "sympy"),
+            Call('form.certificate("sympy")', "export LAW --certificate FILE.py"),
         )
     return Integral(form).text()
 

@@ -18,7 +18,7 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.names import lookup
-from stickslip_sym.core.remedies import Values
+from stickslip_sym.core.remedies import Call, Values
 from stickslip_sym.core.special import NumberPower
 from stickslip_sym.core.status import Status
 from stickslip_sym.formula.code.languages import LANGUAGES, Language
@@ -207,7 +207,7 @@ class _Writer:
             math.inf if law.v_max is None else float(law.v_max) / (1 if average.criterion.weight is None else 2)
         )
         terms = {f"{name}_term_{i}": term for i, term in enumerate(functions)}
-        verdicts = [self._add_term(key, term, point, texts, law) for key, term in terms.items()]
+        verdicts = [self._add_term(key, term, point, texts, average) for key, term in terms.items()]
         arguments = [self._argument(key) for key in free]
         self.names.append(name)
         order, constant = list(Status), Verdict(Status.PROVED, "a constant law has no slope")
@@ -235,16 +235,18 @@ class _Writer:
         return re.sub("^_+", "x_", name)
 
     def _add_term(
-        self, name: str, term: TermFunction, point: list[float], texts: Mapping[Expr, str], law: FrictionLaw
+        self, name: str, term: TermFunction, point: list[float], texts: Mapping[Expr, str], average: TermSum
     ) -> Verdict:
         """Write number * prod bases^amplitude * F(prod bases^ratio) and the tables of F, and compare them."""
         shapes = term.shape_values(point)
-        branches = term.branches(shapes)
+        branches, law, criterion = term.branches(shapes), average.law, average.criterion
         if isinstance(branches, Unknown):
             raise InputError(
                 f"the term {str(term.term.expr)[:60]} of the law {(law.name or law.text)[:60]} has no branches "
-                "that could be written; call the function instead: ",
+                "that could be written: ",
                 *branches.reason,
+                "; take its values by ",
+                Call("stickslip_sym.slope_average", f"damping LAW --method {criterion.name}"),
             )
         language = self.language
         bases = [texts[symbols.V], texts[symbols.N], _number(term.size, language)]

@@ -8,6 +8,8 @@ from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.functions import elementary
 from stickslip_sym.model.terms import expand_above
 
+_LONGEST = 8
+"""Whole numbers e up to which 2F1(p, e; e + 1; z) is written by its e powers of 1 - z."""
 _BOUND = sp.Dummy("xi", real=True)  # the variable of every integral in normal form
 
 
@@ -44,6 +46,7 @@ def normal_form(expr: Expr) -> Expr:
         lambda node: node.is_Pow and node.exp.is_Rational and not node.exp.is_Integer,
         lambda node: sp.factor(node.base) ** node.exp,
     )
+    expr = expr.replace(lambda node: node.is_Pow and node.base.is_Add and not node.exp.is_number, _of_primitive)
     expr = _contiguous(expr)
     numerator = _numerator(expr.rewrite(HyperbolicFunction, sp.exp))
     if numerator != 0 and numerator.has(sp.sin, sp.cos):
@@ -85,6 +88,13 @@ def _is_shifted(node: Expr, lower: Expr) -> bool:
     return {1} in shifts
 
 
+def _of_primitive(node: Expr) -> Expr:
+    """Return (p/q b)^s, b a sum of whole multiples, as p^s q^(-s) b^s."""
+    base, exponent = node.args
+    content, primitive = base.primitive()
+    return sp.Integer(content.p) ** exponent * sp.Integer(content.q) ** -exponent * primitive**exponent
+
+
 def _of_factors(argument: Expr) -> Expr:
     """Return log(a u^p), u > 0 a symbol, as log(a) + p log(u)."""
     powers = {base: p for base, p in argument.as_powers_dict().items() if base.is_Symbol and base.is_nonnegative}
@@ -97,11 +107,58 @@ def _is_logarithm(node: Expr) -> bool:
 
 
 def plain(expr: Expr) -> Expr:
-    """Write Dirichlet's eta of a number by Riemann's zeta, and bring positive factors out of every Min and Max."""
+    """Write special functions as a reader knows them, and bring positive factors out of every Min and Max.
+
+    Dirichlet's eta of a number is written by Riemann's zeta, a hypergeometric function that is elementary by what
+    it is, and the argument of any other in lowest terms.
+    """
+    expr = expr.replace(lambda node: isinstance(node, sp.hyper), _of_series)
     expr = expr.replace(
         sp.dirichlet_eta, lambda order: sp.log(2) if order == 1 else (1 - 2 ** (1 - order)) * sp.zeta(order)
     )
     return expr.replace(lambda node: isinstance(node, sp.Min | sp.Max), _in_units)
+
+
+def _of_series(node: Expr) -> Expr:
+    """Return a hypergeometric function elementarily where it is elementary, its argument in lowest terms."""
+    z = node.argument
+    if z.is_rational_function() and not z.is_number:
+        z = sp.factor(z)
+    if len(node.ap) == 1 and not node.bq:
+        return (1 - z) ** -node.ap[0]
+    if is_arctangent(node) and z.is_positive:
+        return sp.atanh(sp.sqrt(z)) / sp.sqrt(z)
+    if is_arctangent(node) and z.is_negative:
+        return sp.atan(sp.sqrt(-z)) / sp.sqrt(-z)
+    if is_integral_of_binomial(node):
+        e, p = node.bq[0] - 1, sp.Add(*node.ap) - node.bq[0] + 1
+        if e.is_Integer and 0 < e <= _LONGEST and p.is_Rational and not p.is_Integer:
+            return _of_whole_order(int(e), p, z)
+    return sp.hyper(node.ap, node.bq, z)
+
+
+def _of_whole_order(e: int, p: Expr, z: Expr) -> Expr:
+    """Return 2F1(p, e; e + 1; z) = e z^(-e) integral_0^z t^(e-1) (1 - t)^(-p) dt by powers of 1 - t."""
+    powers = [sp.binomial(e - 1, k) * (-1) ** k * ((1 - z) ** (k + 1 - p) - 1) / (p - k - 1) for k in range(e)]
+    return e * z**-e * sp.Add(*powers)
+
+
+def is_arctangent(node: Expr) -> bool:
+    """Whether a node is 2F1(1/2, 1; 3/2; z), artanh(x)/x with x^2 = z, for z < 0 arctan(x)/x with x^2 = -z."""
+    half = sp.Rational(1, 2)
+    return isinstance(node, sp.hyper) and set(node.ap) == {half, sp.S.One} and set(node.bq) == {3 * half}
+
+
+def arguments_of_arctangents(expr: Expr) -> list[Expr]:
+    """Return the arguments z of all 2F1(1/2, 1; 3/2; z) in a formula, whose signs are not known."""
+    return sorted({node.argument for node in expr.atoms(sp.hyper) if is_arctangent(node)}, key=sp.default_sort_key)
+
+
+def factor_of_sign(expr: Expr) -> Expr:
+    """Return the product of the factors that decide the sign of a rational function, multiplied out."""
+    number, factors = sp.factor_list(sp.numer(sp.together(expr)) * sp.denom(sp.together(expr)))
+    odd = [factor for factor, power in factors if power % 2 and not factor.is_positive]
+    return sp.sign(number) * sp.expand(sp.Mul(*odd))
 
 
 def _in_units(node: Expr) -> Expr:

@@ -274,7 +274,7 @@ def is_positive(expr: Expr, x: Expr) -> bool:
     if expr.is_polynomial(x) and sp.degree(expr, x) == 2:
         a, b, c = sp.Poly(expr, x).all_coeffs()
         return bool(a.is_positive and sp.factor(4 * a * c - b**2).is_positive)
-    if expr.is_Add and all(is_positive(term, x) for term in expr.args):
+    if expr.is_Add and all(is_positive(term, x) for term in _numbers_added(expr)):
         return True
     if not (expr.is_Add and x.is_positive):
         return False
@@ -290,6 +290,12 @@ def is_positive(expr: Expr, x: Expr) -> bool:
     if not c.is_positive or L.has(root) or sp.expand(expr - c * root - L) != 0:
         return False
     return is_positive(L, x) or _outweighs(c**2 * root.base - L**2, L, x)
+
+
+def _numbers_added(total: Expr) -> list[Expr]:
+    """Return the terms of a sum, its numbers as one: 1 - sqrt(2)/2 is positive."""
+    numbers, others = sp.sift(total.args, lambda term: term.is_number, binary=True)
+    return [sp.Add(*numbers), *others] if numbers else others
 
 
 def _outweighs(above: Expr, L: Expr, x: Expr) -> bool:

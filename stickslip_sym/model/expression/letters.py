@@ -14,10 +14,12 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import power
 from stickslip_sym.core.special import NumberPower
-from stickslip_sym.output.text_printer import is_over_decimal
+from stickslip_sym.output.text_printer import decimal
 
 _AT_A_GLANCE = 100
 """Numbers with a larger numerator or denominator get a letter."""
+_BESIDE_LETTERS = 9
+"""The same in a formula that has such numbers: 0.34 beside 0.1234 gets a letter too."""
 _HIGHEST_ROOT = 6
 """Exponents with a larger denominator get a letter; those of others decide which functions integrals lead to."""
 _NAMES = {
@@ -50,13 +52,17 @@ def lettered(expr: Expr) -> Lettered:
     """
     if not expr.has(symbols.v) or expr.has(sp.Piecewise, sp.Min, sp.Max):
         return Lettered(expr)
-    letters = _Letters(expr)
+    letters = _Letters(expr, _AT_A_GLANCE)
     general = letters.of(expr)
+    if letters.meanings:
+        letters = _Letters(expr, _BESIDE_LETTERS)
+        general = letters.of(expr)
     found = Lettered(general, letters.meanings)
-    return found if letters.meanings and _is_same(found.put_back(general), expr) else Lettered(expr)
+    return found if letters.meanings and is_same(found.put_back(general), expr) else Lettered(expr)
 
 
-def _is_same(expr: Expr, other: Expr) -> bool:
+def is_same(expr: Expr, other: Expr) -> bool:
+    """Whether two formulas are the same when multiplied out."""
     return bool(expr == other or sp.expand(expr) == sp.expand(other))
 
 
@@ -75,7 +81,8 @@ def with_numbers(expr: Expr, meanings: Mapping[Expr, Expr]) -> Expr:
 class _Letters:
     """The letters of one formula, as they are given out."""
 
-    def __init__(self, expr: Expr) -> None:
+    def __init__(self, expr: Expr, largest: int) -> None:
+        self._largest = largest
         self.meanings: dict[Expr, Expr] = {}
         self._given: dict[Expr, Expr] = {}  # what is written for a positive number or sum
         self._taken = {symbol.name for symbol in expr.free_symbols} - {symbols.v.name}
@@ -84,7 +91,7 @@ class _Letters:
     def of(self, node: Expr, *, within: bool = False) -> Expr:
         """Return a node in letters; `within` a function or a power, sums of parameters get one too."""
         if node.is_Rational:
-            return self._of_number(node, "coefficient") if _size(node) > _AT_A_GLANCE else node
+            return self._of_number(node, "coefficient") if _size(node) > self._largest else node
         if isinstance(node, NumberPower) or (node.is_Pow and node.base.is_Rational):
             return self._of_power_of_number(*node.args)
         if not node.args:
@@ -124,14 +131,14 @@ class _Letters:
                 parts.append((sign * letter) ** exponent)
             else:
                 parts.append(self.of(factor, within=within))
-        if _size(number) > _AT_A_GLANCE:
+        if _size(number) > self._largest:
             number = self._of_number(number, "rate" if has_v else "coefficient")
         return sp.Mul(number, *parts)
 
     def _of_number(self, number: Expr, role: str) -> Expr:
         """Return a letter, or one over it where that is the shorter number, with the sign of the number."""
         sign, size = (-1, -number) if number < 0 else (1, number)
-        if role != "exponent" and (is_over_decimal(size) or 1 / size in self._given):
+        if role != "exponent" and (_is_over_decimal(size) or 1 / size in self._given):
             role = "speed" if role == "rate" else role
             return sign / self._named(1 / size, role)
         return sign * self._named(size, role)
@@ -153,6 +160,11 @@ class _Letters:
 def _free(names: Iterable[str], taken: Iterable[str]) -> str:
     """Return the first name that begins no other."""
     return next((name for name in names if not any(other.startswith(name) for other in taken)), "number")
+
+
+def _is_over_decimal(number: Expr) -> bool:
+    """Whether a number is no decimal but one over a decimal, as that of v/0.34."""
+    return not decimal(number, least=2) and bool(decimal(1 / number, least=2))
 
 
 def _size(number: Expr) -> int:

@@ -32,7 +32,7 @@ def require_templates() -> None:
         import jinja2  # noqa: F401  # only to see that it is there
         import latex2mathml.converter  # noqa: F401
     except ImportError:
-        raise InputError("pages need jinja2 and latex2mathml: pip install 'stickslip_sym[plot]'") from None
+        raise InputError("pages need jinja2 and latex2mathml: pip install jinja2 latex2mathml") from None
 
 
 def render(template: Path, **values: Any) -> str:

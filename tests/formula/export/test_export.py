@@ -19,6 +19,7 @@ import stickslip_sym as ss
 from stickslip_sym.core.special import Lerch
 from stickslip_sym.formula.code.languages import LANGUAGES
 from stickslip_sym.formula.code.writer import text_of as written
+from stickslip_sym.formula.proof.normal_form import plain
 from stickslip_sym.formula.transition_speeds import transition_speeds
 from stickslip_sym.output.printing import text as text_of
 
@@ -144,6 +145,36 @@ def test_transition_speeds_that_are_exact():
     form = form_of("gaussian_viscous", "least_squares")
     assert (transition_speeds(form).values, transition_speeds(form).formula) == (None, None)
     assert "No formula was found for its zeros" in ss.export_latex(form)
+
+
+def test_a_document_says_no_more_than_is_known():
+    """Of a law without typical values nothing is said of them, and signs that hold for all parameters as such."""
+    text = ss.export_latex(ss.derive("mu_0 + a/(1 + (v/v_s)^2)"))
+    assert r"It has no zeros: $\mu(v)$ falls at all slip speeds, so $c > 0$ at all belt speeds." in text
+    assert "typical" not in text
+    assert r"$\mu_{0}$, $a$, $v_{\mathrm{s}}$ & parameters of the law &  \\" in text
+    rising = ss.export_latex(ss.derive("mu_0 + a*v", "equilibrium"))
+    assert r"rises at all slip speeds, so $c < 0$" in rising
+    typical = ss.export_latex(form_of("exponential", "least_squares"))
+    assert r"For the typical values it has no zeros: $\mu(v)$ falls" in typical
+    assert "typical value" in typical
+
+
+def test_the_sign_of_a_discriminant_is_said():
+    """One formula holds for either sign; its argument is in lowest terms, and its cases stand below."""
+    form = ss.derive("a/(1 + b*v + d*v^2)")
+    text = ss.export_latex(form)
+    assert r"{}_{2}F_{1}\bigl[1/2, 1; 3/2; V^{2} (b^{2} - 4 d)/(1 + b V)^{2}\bigr]" in text
+    assert r"its argument has the sign of $b^{2} - 4 d$." in text
+    node, z = sp.hyper((sp.Rational(1, 2), 1), (sp.Rational(3, 2),), sp.Symbol("z")), sp.Symbol("z")
+    for value in ("1/3", "-7/5"):
+        elementary = plain(node.subs(z, sp.Rational(value)))
+        assert not elementary.has(sp.hyper)
+        assert abs(sp.N(elementary - node.subs(z, sp.Rational(value)), 30)) < 1e-28
+    for e in (1, 2, 5):
+        node = sp.hyper((sp.Rational(7, 10), e), (e + 1,), sp.Rational(-7, 5))
+        assert not plain(node).has(sp.hyper)
+        assert abs(sp.N(plain(node) - node, 30)) < 1e-28
 
 
 # -- code --------------------------------------------------------------------------------------------
