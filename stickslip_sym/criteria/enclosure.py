@@ -38,6 +38,7 @@ _MOST_LOST = 1400  # bits of cancellation that are followed, some 400 digits
 _EXTREME = 100_000  # bits, beyond which an end is rounded outwards instead of written in full
 _MOST_SHOWN = 4000  # where two enclosures are distinguished
 _COARSE = 3  # digits of an end of an enclosure without a certain digit
+_FINER = 4  # bits, by which ends of an enclosure are finer than its radius
 _SHOWN = 50  # digits of an end, at most
 
 
@@ -163,6 +164,19 @@ def enclosure_of(value: arb) -> Enclosure:
         return Enclosure(_exact_end(value.lower(), -1), _exact_end(value.upper(), 1))
 
 
+def rounded_outward(ends: Enclosure) -> Enclosure:
+    """Round both ends outwards, by a sixteenth of the radius at most.
+
+    Arb keeps the nodes of its Gauss rules as precise as they were first needed. So the radius of an integral
+    depends, in its seventh digit, on what was integrated before; the ends are not to.
+    """
+    if ends.radius == 0:
+        return ends
+    bits = ends.radius.numerator.bit_length() - ends.radius.denominator.bit_length()  # or one more than log2
+    grid = Fraction(2) ** (bits - (ends.radius < Fraction(2) ** bits) - _FINER)
+    return Enclosure(math.floor(ends.low / grid) * grid, math.ceil(ends.high / grid) * grid)
+
+
 def _exact_end(end: arb, side: int) -> Fraction:
     mantissa, exponent = (int(part) for part in end.man_exp())
     if mantissa == 0:
@@ -236,7 +250,7 @@ def enclose(
         return value
 
     goal = int(digits * _BITS) + 2
-    ends = enclosure_of(refined(enclosed, goal, goal + _MOST_LOST))
+    ends = rounded_outward(enclosure_of(refined(enclosed, goal, goal + _MOST_LOST)))
     return EnclosedCriterion(ends.low, ends.high, law, criterion, speed, force)
 
 

@@ -13,7 +13,7 @@ from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.criteria import enclosure
-from stickslip_sym.criteria.enclosure import Enclosure
+from stickslip_sym.criteria.enclosure import Enclosure, rounded_outward
 
 s = ss.symbols.s
 CRITERIA = [
@@ -158,3 +158,16 @@ def test_what_is_too_small_is_enclosed_with_zero():
     enclosure = ss.enclose(law, "equilibrium", V=1000, N=1)
     assert enclosure.low == 0 < enclosure.high < Fraction(1, 10**10_000)
     assert (0 in enclosure, enclosure.digits) == (True, 0)
+
+
+@given(st.fractions(-1, 1), st.fractions(0, 1), st.integers(-200, 200))
+def test_ends_are_those_of_radii_that_nearly_agree(middle, radius, exponent):
+    """As are those of an integral whose nodes were computed before, for more digits."""
+    size = Fraction(2) ** exponent
+    middle, radius = middle * size, (radius + Fraction(1, 10**6 + 3)) * size / 10**6
+    more = radius * (1 + Fraction(1, 10**30))
+    ends = [rounded_outward(Enclosure(middle - some, middle + some)) for some in (radius, more)]
+    assert ends[0] == ends[1]
+    assert ends[0].low <= middle - radius < middle + radius <= ends[0].high
+    assert ends[0].radius <= radius * Fraction(17, 16)
+    assert rounded_outward(Enclosure(middle, middle)) == Enclosure(middle, middle)

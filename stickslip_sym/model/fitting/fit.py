@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from itertools import combinations, islice
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,6 +27,8 @@ from stickslip_sym.model.laws import laws as catalogue
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.model.measured.noise import correlation_of
 
+_USUAL: Any = {"divide": "warn", "over": "warn", "under": "ignore", "invalid": "warn"}
+"""What NumPy does about errors unless a user has set otherwise: products underflow within SciPy's solvers too."""
 _STARTS = 4  # different ones; for most laws the best few of the trials lead to one minimum
 _MANY = 1000  # rows, from which starts lead to a minimum of the means of bins, and the best to one of all rows
 _BINS = 300
@@ -112,8 +114,14 @@ def fit(
         raise InputError("mu is missing; give fit(v, mu), or fit(read_measurements(path))")
     else:
         measured = Measurements.of(v, mu, sigma)
-    chosen, fits, rejected = _laws(laws), list[Fit](), dict[str, InputError]()
-    with counted_by(progress), steps(chosen, str) as names:
+    with counted_by(progress), np.errstate(**_USUAL):
+        return _fits(_laws(laws), measured)
+
+
+def _fits(chosen: dict[str, FrictionLaw], measured: Measurements) -> Fits:
+    """Fit laws by their names, and rank them."""
+    fits, rejected = list[Fit](), dict[str, InputError]()
+    with steps(chosen, str) as names:
         for name in names:
             try:
                 fits.append(_fit_law(chosen[name], measured))
