@@ -147,7 +147,7 @@ def positive_root(e, x):
         return False
     above = sp.expand(c**2 * roots[0].base - rest**2)
     if positive(rest, x) or not above.is_polynomial(x):
-        return positive(rest, x)
+        return positive(rest, x) and (positive(roots[0].base, x) or bool(roots[0].base.is_nonnegative))
     constant, factors = sp.factor_list(above, x)
     if not sp.sympify(constant).is_positive:
         return False
@@ -185,10 +185,14 @@ def regular(e, x, analytic=False, poles=False):
 
 
 def known(e):
-    """Refuse what an expression may not hold: inexact numbers, infinity, functions outside the table."""
+    """Refuse inexact numbers, infinity, functions outside the table, and classes that are not SymPy's."""
     e = sp.sympify(e)
+    modules = {str(type(node).__module__).partition(".")[0] for node in sp.preorder_traversal(e)}
+    check(modules == {"sympy"}, "a class that is not SymPy's")
     check(not e.has(sp.Float, sp.oo, -sp.oo, sp.zoo, sp.nan, sp.Wild, sp.Integral, sp.Derivative, sp.Subs), f"{e}")
-    names = {node.func.__name__ for node in e.atoms(sp.Function)} - {"Piecewise"}
+    functions = {node.func for node in e.atoms(sp.Function)}
+    check(all(f is getattr(sp, f.__name__, None) for f in functions), "a function that is not SymPy's")
+    names = {f.__name__ for f in functions} - {"Piecewise"}
     check(names <= KNOWN, f"no rule is known here for {', '.join(sorted(names - KNOWN))}")
     return e
 
@@ -221,7 +225,7 @@ def without_number(node):
     """Write (1 + V)^(d - 1) as (1 + V)^d/(1 + V), with a symbol for (1 + V)^d."""
     number, rest = node.exp.as_coeff_Add()
     base = sp.factor(node.base)
-    return base**number * sp.Symbol(f"[{base**rest}]") if base.is_Add else base**node.exp
+    return base**number * sp.Symbol(sp.srepr(base**rest)) if base.is_Add else base**node.exp
 
 
 def vanishes(e, signs=()):
@@ -298,8 +302,8 @@ def place_of(condition, x, strict=True):
 def conditions_in(e):
     """Return all conditions of the functions in pieces in an expression, but that which always holds."""
     nodes = e.atoms(sp.Piecewise)
-    check(all(node.args[-1].cond == True for node in nodes), "pieces that end")  # noqa: E712
-    return {holds for node in nodes for _, holds in node.args if holds != True}  # noqa: E712
+    check(all(node.args[-1].cond is sp.true for node in nodes), "pieces that end")
+    return {holds for node in nodes for _, holds in node.args if holds is not sp.true}
 
 
 def agree(e, x=v, at=None, below=()):
@@ -344,11 +348,11 @@ def pieces_of(g):
     if not isinstance(g, sp.Piecewise):
         check(not g.has(sp.Piecewise), "pieces within a formula")
         return [g], []
-    check(g.args[-1].cond == True, "the last piece ends")  # noqa: E712
+    check(g.args[-1].cond is sp.true, "the last piece ends")
     places = []
     for piece, holds in g.args:
         check(not piece.has(sp.Piecewise), "pieces within pieces")
-        if holds != True:  # noqa: E712
+        if holds is not sp.true:
             place = place_of(holds, v)
             before = places[-1] if places else sp.Integer(0)
             places.append(place if (place - before).is_nonnegative else sp.Max(before, place))
@@ -679,7 +683,9 @@ def average_of(g, w, parts):
     g = known(g)
     if not g.has(v):
         return sp.Integer(0), []
-    check(agree(g - sum(known(part[1]) for part in parts)), f"{g} is not the sum of its parts")
+    for f in formulas_in(parts):
+        known(f)
+    check(agree(g - sum(part[1] for part in parts)), f"{g} is not the sum of its parts")
     total, compared = sp.Integer(0), []
     for kind, part, *data in parts:
         if kind == "antiderivatives":
@@ -731,6 +737,7 @@ def sum_of_terms(mu, w, terms):
         check(scale.is_positive and not (a.has(v, V, N) or scale.has(v, V, N)), "an amplitude, or a scale")
         check(not {V, N, v, s, n} & shapes.keys(), "a shape that is a speed or a force")
         shapes = {x: known(value) for x, value in shapes.items()}
+        check(not any(value.has(sp.I) for value in (a, scale, *shapes.values())), "an imaginary number")
         law += a * at_scale(sp.sympify(g), scale, shapes)
         F, missing = average_at(g, w, parts, shapes)
         total += a / scale * F.subs(V, V / scale)
@@ -767,7 +774,7 @@ def at_scale(g, scale, shapes):
     """Return g(v/scale), with values for the shapes."""
     if not isinstance(g, sp.Piecewise):
         return g.subs({v: v / scale, **shapes}, simultaneous=True)
-    places = [holds == True or v < scale * place_of(holds, v).subs(shapes) for _, holds in g.args]  # noqa: E712
+    places = [holds is sp.true or v < scale * place_of(holds, v).subs(shapes) for _, holds in g.args]
     return sp.Piecewise(
         *[(at_scale(piece, scale, shapes), holds) for (piece, _), holds in zip(g.args, places, strict=True)]
     )
@@ -849,7 +856,7 @@ def formulas_in(data):
         return formulas_in([*data.keys(), *data.values()])
     if isinstance(data, list | tuple):
         return [f for item in data for f in formulas_in(item)]
-    return [data] if isinstance(data, sp.Basic) else []
+    return [] if data is None or isinstance(data, str) else [sp.sympify(data)]
 
 
 def exceptions(c, terms):
@@ -916,21 +923,27 @@ def integral(mu, w, speed):
 def prove(mu, w, c, terms, source=None):
     """Prove that c = -N int_-1^1 w(s) mu'(V (1 + s)) ds, and print what was proved; w = None is c = -N mu'(V)."""
     mu, c, compared = known(mu), known(c), []
+    check(not mu.has(sp.I), "an imaginary number")
     check(not mu.has(V, N) and not c.has(v), "mu is a function of v, and c of V and N")
     parameters = sorted((mu.free_symbols | c.free_symbols) - {V, N, v}, key=str)
-    check(not {x.name for x in parameters} & {"V", "N", "v", "s", "n"}, "V, N, v, s or n means something else")
+    names = [x.name for x in parameters]
+    check(not set(names) & {"V", "N", "v", "s", "n"}, "V, N, v, s or n means something else")
+    check(
+        len(set(names)) == len(names) and all(map(str.isidentifier, names)), "names that are not those of letters"
+    )
     of_kind = {
         kind: [str(x) for x in [V, N, *parameters] if kinds(x) == [kind]]
         for kind in ("positive", "nonnegative", "real")
     }
     jumps = jumps_of(mu)
     if source is not None:
-        law, parameter = source
+        law, parameter = known(source[0]), source[1]
         check(agree(sp.diff(law, parameter) - mu), "mu is not the derivative of the law")
         check(not any(place.has(parameter) for place in jumps_of(law)), "a jump that moves")
     if w is None:
         slope_at_the_belt(mu, c, jumps)
     else:
+        w = known(w)
         polynomial = w.is_polynomial(s) and all(a.is_Rational for a in sp.Poly(w, s).all_coeffs())
         check(is_harmonic(w) or (polynomial and sp.integrate(w, (s, -1, 1)) == 1), "w is no average known here")
         total, compared = sum_of_terms(mu, w, terms)

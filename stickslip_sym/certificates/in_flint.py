@@ -22,33 +22,31 @@ from stickslip_sym.output.sections import sections
 
 WIDTH = 115  # of a line
 _VARIABLES = {symbols.v: "v", symbols.s: "s"}
-_NEEDS = {"asinh": ("log",)}
 _METHODS = {"exp", "sin", "cos", "tan", "erf"}  # of balls, and of power series
-_OF_BALLS = {"cosh", "coth", "sech", "sinh", "tanh"}  # of balls only
 _PRODUCT = 3  # up to which power a name is multiplied by itself
 
 
-class LawInFlint:
-    """A law for a script none of whose names is taken. Without series, what is written takes balls only."""
+_RULES = sections(Path(__file__).with_suffix(".txt"))
+FUNCTIONS = "\n\n\n".join(map(str.strip, _RULES.values())) + "\n\n"
+"""The functions that a law may call, as text; they take balls and power series."""
 
-    def __init__(self, law: BoundLaw, script: str, *, with_series: bool = True) -> None:
-        self._law, self._rows = law, sections(Path(__file__).with_suffix(".txt"))
-        names = SafeNames(" ".join([script, *self._rows]))
+
+class LawInFlint:
+    """A law for a script none of whose names is taken."""
+
+    def __init__(self, law: BoundLaw, script: str) -> None:
+        self._law = law
+        names = SafeNames(f"{script} {FUNCTIONS}")
         self._names = {symbol: names.new(symbol.name) for symbol, _ in law.values}
-        self._printer = _Flint(self._names, _METHODS if with_series else _METHODS | _OF_BALLS)
+        self._printer = _Flint(self._names, _METHODS)
         self.starts = [start for start, _ in law.segments]
 
     @property
     def parameters(self) -> str:
-        """Assignments of the law's values, as many on a line as it holds."""
-        lines: list[list[tuple[str, str]]] = []
-        for symbol, value in self._law.values:
-            pair = self._names[symbol], number(value)
-            if lines and len(_assigned([*lines[-1], pair])) <= WIDTH:
-                lines[-1].append(pair)
-            else:
-                lines.append([pair])
-        return "\n".join(map(_assigned, lines))
+        """The law's parameters, exact, by their names."""
+        items = [f'"{self._names[symbol]}": {rational(value)}' for symbol, value in self._law.values]
+        line = f"{{{', '.join(items)}}}"
+        return line if len(line) <= WIDTH - 20 else "\n    ".join(["{", *(f"{item}," for item in items)]) + "\n}"
 
     @property
     def pieces(self) -> list[Expr]:
@@ -56,7 +54,7 @@ class LawInFlint:
         return [formula for _, formula in self._law.segments]
 
     def functions_of_v(self, name: str, about: str, exprs: Iterable[Expr]) -> str:
-        """Return a list of expressions as functions of v; formulas that fit no line stand as they are."""
+        """Return a list of expressions of v as texts; formulas that fit no line stand as they are."""
         lines = "\n".join([f"{name} = [  # {about}", *map(self._function, exprs), "]"]).split("\n")
         if all(len(line) <= WIDTH for line in lines):
             return "\n".join(lines)
@@ -71,37 +69,27 @@ class LawInFlint:
         ends = [kink if kink.is_Rational else written[kink] for kink in law.exact_kinks]
         return [self.text(end) for end in [*ends, *([] if law.end is None else [law.end])]]
 
-    @property
-    def functions(self) -> str:
-        """The functions that what was written so far calls.
-
-        Raises `InputError` for one that has no rule.
-        """
-        used = set(self._printer.used)
-        while more := {need for name in used for need in _NEEDS.get(name, ())} - used:
-            used |= more
-        if unknown := sorted(used - self._rows.keys()):
-            raise InputError(
-                f"the law has {', '.join(unknown)}, for which a certificate has no rule in python-flint; "
-                "what it would prove stands in the result itself, with words: print it"
-            )
-        return "".join(f"\n\n{self._rows[name].strip()}\n" for name in sorted(used)) + "\n" * bool(used)
-
     def text(self, expr: Expr) -> str:
         """Return an expression of v and the parameters."""
         return str(self._printer.doprint(expr))
 
     def _function(self, expr: Expr) -> str:
-        text = f"    lambda v: {self.text(expr)},"
-        if len(text) > WIDTH:
-            first, *more = (self.text(term) for term in expr.as_ordered_terms())
-            signed = [f"- {term[1:]}" if term.startswith("-") else f"+ {term}" for term in more]
-            text = "\n        ".join(["    lambda v: (", first, *signed]) + "\n    ),"
-        return text
+        """Return a line of a list: an expression of v as text.
+
+        Raises `InputError` for a function that has no rule.
+        """
+        text = self.text(expr)
+        if unknown := sorted(self._printer.used - set(_RULES)):
+            raise InputError(
+                f"the law has {', '.join(unknown)}, for which a certificate has no rule in python-flint; "
+                "what it would prove stands in the result itself, with words: print it"
+            )
+        return f'    "{text}",'
 
 
-def _assigned(pairs: Iterable[tuple[str, str]]) -> str:
-    return " = ".join(map(", ".join, zip(*pairs, strict=True)))
+def rational(value: Rational) -> str:
+    """Return an exact rational."""
+    return f"fmpq({value})" if value.is_Integer else f"fmpq({value.p}, {value.q})"
 
 
 def number(value: Rational) -> str:

@@ -15,7 +15,6 @@ from flint import arb
 
 from stickslip_sym.certificates import in_flint
 from stickslip_sym.certificates.in_flint import WIDTH, LawInFlint
-from stickslip_sym.certificates.script import chosen
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Undecided, flow
 from stickslip_sym.output.sections import sections
@@ -45,36 +44,23 @@ def certificate_of_threshold(
     bits += _GUARD + _widening(point, ends[1])
     with working_precision(bits):
         begins_analytic = _is_analytic_at_rest(point)
-    is_level = law.static is None and begins_analytic
-    number = "number" if is_level else "_"
-    static = "MU[0](arb(0))" if law.static is None else script.text(law.static)
-    borders = [f"{end} / V" for end in script.ends] + ["None"] * (law.v_max is None)
+    borders = [f'"{end}"' for end in script.ends] + ["None"] * (law.v_max is None)
     conditions = [*given, "mu is bounded below at the slip speeds that are reached",
                    "c_1 >= 0, or the slip at c_1 is followed here"]  # fmt: skip
-    decided = {"returns(c_low)": "c_low: it was not shown that the slip returns",
-               "not returns(c_high)": "c_high: the slip returns"}  # fmt: skip
-    if is_undamped:
-        decided["returns(0)"] = "c = 0: it was not shown that the slip returns"
-    kind = "kinks" if script.ends else "smooth"
-    return Template(chosen(page["page"], {kind}) + "\n").substitute(
+    return Template(page["page"] + "\n").substitute(
         law=textwrap.fill(f"mu(v) = {law.text}, v = V - x'", WIDTH - 4, subsequent_indent=" " * 8),
         statement=textwrap.fill(f"Theorem. {statement}", WIDTH),
         conditions=textwrap.fill(f"Conditions. {'; '.join(conditions)}.", WIDTH),
         bits=bits,
-        scene=", ".join(map(in_flint.number, (point.V, point.N, point.m, point.k))),
+        scene=", ".join(map(in_flint.rational, (point.V, point.N, point.m, point.k))),
         parameters=script.parameters,
         ends=", ".join(f"fmpq({end.numerator}, {end.denominator})" for end in ends),
         pieces=script.functions_of_v("MU", "the smooth pieces of mu", script.pieces),
-        static=static,
-        ends_of_pieces=in_flint.listed(["arb(0)", *borders], WIDTH - 40),
-        functions=script.functions,
-        origin="(arb(0), arb(0))" if begins_analytic else "first(c)",
-        level=f"{number} == 0" if is_level else "False",
-        number=number,
-        fallen="" if begins_analytic else page["fallen"],
-        rough="" if begins_analytic else "".join(f"{page[name].strip()}\n\n\n" for name in ("first", "falls")),
-        decisions="\n".join(f'check({decision}, "{word}")' for decision, word in decided.items()),
-        least="for every c from 0 to " if is_undamped else "at c = ",
+        static="None" if law.static is None else f'"{script.text(law.static)}"',
+        ends_of_pieces=in_flint.listed(['"0"', *borders], WIDTH - 80),
+        functions=in_flint.FUNCTIONS,
+        by_bounds=not begins_analytic,
+        undamped=is_undamped,
     )
 
 

@@ -64,12 +64,52 @@ def test_a_stiff_slip_has_as_many_bits_as_its_boxes_lose():
 
 
 def test_what_is_printed_is_what_was_used():
-    """A threshold in the words of a page is text; what is printed comes from the numbers."""
+    """A threshold and a law in the words of a page are text; what is printed comes from what was computed with."""
     script = theorem_of("exponential").certificate()
-    edited = script.replace("2.573078", "1.573078")
-    assert edited != script
-    assert "2.573078" in run(edited).stdout
-    assert "1.573078" not in run(edited).stdout
+    words, mark, rest = script.partition("from decimal")
+    edited = words.replace("2.573078", "1.573078").replace("exp(-alpha*v)", "exp(-2*alpha*v)") + mark + rest
+    assert edited.count("-2*alpha*v") == 1
+    printed = run(edited).stdout
+    assert "2.573078" in printed
+    assert "1.573078" not in printed
+    assert "mu(v) = mu_m + (-mu_m + mu_s) * (-alpha * v).exp()\nmu_s = 1/2, mu_m = 1/5, alpha = 3\n" in printed
+
+
+def test_pages_of_balls_have_three_parts_and_one_checker():
+    thresholds = [theorem_of(name).certificate() for name in ("exponential", "root")]
+    enclosed = [("exponential", "least_squares"), ("root", "harmonic"), ("kinks", "equilibrium")]
+    enclosures = [ss.enclose(LAWS[name], kind, V="0.45", N="9.81").certificate() for name, kind in enclosed]
+    for pages in (thresholds, enclosures):
+        assert len({page[page.index("# == CHECKER") :] for page in pages}) == 1
+        for page in pages:
+            places = [page.index(f"# == {part}") for part in ("STATEMENT", "DATA", "CHECKER")]
+            assert places == sorted(places)
+
+
+EDITS = {
+    "WEIGHT = [": "WEIGHT = [fmpq(1), ",
+    "c_low = fmpq(": "c_low = 2 * fmpq(",
+    '"fmpq(2, 5)"': '"fmpq(3, 5)"',
+    'ENDS = ["0", ': 'ENDS = ["1", ',
+    ", None]": ', "fmpq(43, 100)"]',
+    "BITS = ": "BITS = 20 or ",
+    'alpha": fmpq(3)': 'alpha": fmpq(4)',
+    "(-alpha * v)": "(alpha * v)",
+    "fmpq(1, 2) - 3 * v / 10": "fmpq(1, 2) - 3 * v / 11",
+}
+"""Edits of the statement and the data of pages of balls."""
+
+
+@sweep("name", ["exponential", "kinks"], "kinks")
+def test_every_edit_of_an_enclosure_is_noticed(name):
+    page = ss.enclose(LAWS[name], V="0.45", N="9.81", digits=25).certificate()
+    head, mark, checker = page.partition("# == CHECKER")
+    edited = [head.replace(old, new) for old, new in EDITS.items() if old in head]
+    assert len(edited) >= 4
+    for text in edited:
+        done = run(text + mark + checker, "-O")
+        assert done.returncode != 0
+        assert "proved" not in done.stdout
 
 
 def test_pages_notice_under_optimisation_too():

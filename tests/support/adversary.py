@@ -173,12 +173,110 @@ def equations(page):
     return _before_parts(page, *(f"{row} = proof1\n{edit}\nproof1 = {row}" for edit in edits))
 
 
+# -- what holds at every point that is compared, and not beyond -------------------------------------
+
+
+def formula_far_out(page):
+    """Formulas that are others for V > 10 only, where nothing is compared."""
+    changes = ["c * sp.Max(1, V - 9)", "sp.Piecewise((c, V < 10), (0, True))", "c + N * (sp.Abs(V - 10) + V - 10)"]
+    changes += ["c * sp.sqrt((V - 10) ** 2) / (10 - V)"]
+    return _before_claim(page, *(f"c = {change}" for change in changes))
+
+
+def law_far_out(page):
+    """Laws that are others for v > 10 only, in their text, and in the terms too."""
+    changes = ["sp.Piecewise((mu, v < 10), (0, True))", "mu * sp.Max(1, v - 9)", "mu + sp.Max(v, 10) - 10"]
+    edits = _before_claim(page, *(f"mu = {change}" for change in changes))
+    row = "terms = [(a, b, x, sp.Piecewise((g, v < 10), (0, True)), parts) for a, b, x, g, parts in terms]"
+    return edits + _before_claim(page, f"mu = {changes[0]}\n{row}") if _is_average(page) else edits
+
+
+def parameters_far_out(page):
+    """Formulas that are others for large parameters only."""
+    edit = "for x in sorted(c.free_symbols - {V, N}, key=str):\n    c = c.subs(x, sp.Min(x, 10))"
+    return (
+        _before_claim(page, edit) if _has(page, r"^mu = .*\b(mu_0|v_k|p|mu_s)\b") and _c_has_letters(page) else []
+    )
+
+
+def _c_has_letters(page):
+    """Whether the formula has a parameter."""
+    return _has(page, r"^c = .*\b(a|a_1|b|p|v_k|mu_[01ms]|v_m)\b")
+
+
+# -- what is not what it looks like ------------------------------------------------------------------
+
+
+def twins(page):
+    """Two letters of one name, so that what is printed means something else; names that are formulas."""
+    row = 'terms += [(sp.Symbol("{}", real=True), sp.Integer(1), {{}}, sp.Integer(1), [])]'
+    edits = [
+        'mu += sp.Symbol("a", real=True) - sp.Symbol("a", positive=True)',
+        'mu += sp.Symbol("b", positive=True)\n' + row.format("b"),
+        'mu += sp.Symbol("v**2 - 1", real=True)\n' + row.format("v**2 - 1"),
+        'mu += sp.Symbol("", real=True)',
+    ]
+    return _before_claim(page, *edits[:1], *(edits[1:] if _is_average(page) else edits[3:]))
+
+
+def liars(page):
+    """A symbol of a class of the page's own, which prints something else."""
+    kind = "class Liar(sp.Symbol):\n    def _sympystr(self, printer):\n        return '0'"
+    return _before_claim(page, f"{kind}\nmu = mu + Liar('z', real=True)")
+
+
+def own_functions(page):
+    """Functions of the page's own, with names of known ones: one without rules, one that is 0 far out."""
+    own = "class tanh(sp.Function):\n    @classmethod\n    def eval(cls, x):\n"
+    own += "        return sp.Integer(7) if x.is_number and x > 10 else sp.Integer(0) if x.is_number else None\n"
+    own += "    def fdiff(self, argindex=1):\n        return sp.Integer(0)"
+    edits = _before_claim(
+        page, 'c = c + N * sp.Function("exp")(V) * 0 + sp.Function("exp")(-V)', f"{own}\nc += N * tanh(V)"
+    )
+    return edits + (_before_parts(page, f"{own}\nA1_0 += tanh(v)") if _has(page, "^A1_0 = ") else [])
+
+
+def inexact_data(page):
+    """Data of finite precision, and a c that is off by less than what points show."""
+    off = "c = c * (1 + Rational(1, 10**30))"
+    shaken = 'sp.Float("1.0", 25)'
+    edits = _before_parts(page, f"A1_0 = A1_0 * {shaken}") if _has(page, "^A1_0 = ") else []
+    row = "a, rest, q, count, y, *more"
+    if _has(page, "^proof1 = "):
+        edits += _before_parts(page, f"{row} = proof1\ny = y * {shaken}\nproof1 = {row}")
+    rows = "terms = [(a * {}, *rest) for a, *rest in terms]"
+    edits += _before_claim(page, rows.format(shaken), rows.format("1.0")) if _is_average(page) else []
+    return [e for edited in edits for e in _before_claim(edited, off.replace("Rational", "sp.Rational"))]
+
+
+def imaginary(page):
+    """Amplitudes, and scales, that are no real numbers, times others that make up for them."""
+    rows = "terms = [(a * sp.I, b, x, g, parts) for a, b, x, g, parts in terms]"
+    edits = _before_claim(page, f"{rows}\nmu, c = sp.I * mu, sp.I * c") if _is_average(page) else []
+    return [*edits, *_before_claim(page, "mu, c = sp.I * mu, sp.I * c", "mu = mu + sp.I")]
+
+
+def other_speeds(page):
+    """A formula, a law and a weight in speeds that are not those of the checker, but print like them."""
+    edits = ['c = c.subs(V, sp.Symbol("V")) + V - sp.Symbol("V")', 'mu = mu + v - sp.Symbol("v", real=True)']
+    return _before_claim(page, *edits, *(['w = w.subs(s, sp.Symbol("s")) + s - s'] if _is_average(page) else []))
+
+
+def empty_claims(page):
+    """No claim at all, one without terms, one of another length."""
+    return [
+        page.replace("\nclaims.append(", "\nclaims.append(())\nclaims.append(", 1),
+        page.replace("\nclaims.append((mu, w, c,", "\nclaims.append((mu, w, 2 * c,", 1),
+    ]
+
+
 EDITS = {
     edit.__name__: edit
     for edit in (
         formula, law, law_by_terms, weight, assumptions, inexact, pieces, mean_at_a_kink, ends_of_pieces,
         pieces_of_data, order_of_pieces, antiderivative, missing_data, scales, shapes, functions_of_speed,
-        equations,
+        equations, formula_far_out, law_far_out, parameters_far_out, twins, liars, own_functions, inexact_data,
+        imaginary, other_speeds, empty_claims,
     )
 }  # fmt: skip
 """Every kind of edit, by its name."""
