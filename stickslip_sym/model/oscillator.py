@@ -3,8 +3,11 @@
 import math
 from dataclasses import dataclass, fields
 
+from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import real, require_type
+from stickslip_sym.core.remedies import Name
 from stickslip_sym.core.symbols import require_sign
+from stickslip_sym.core.units import has_error, in_si
 from stickslip_sym.model.law import FrictionLaw
 
 
@@ -39,7 +42,15 @@ class Oscillator:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            value = real(field.name, getattr(self, field.name))
+            given = getattr(self, field.name)
+            if has_error(in_si(given, field.name) if isinstance(given, str) else str(given)):
+                raise InputError(
+                    Name(field.name),
+                    f" = {given} has a standard error, and an Oscillator holds numbers alone; give that beside "
+                    f'it, as errors={{"{field.name}": "{given}"}} of study or margins, or give V, N, m and k with '
+                    "theirs to pure_slip_damping",
+                )
+            value = real(field.name, given)
             object.__setattr__(self, field.name, value)
             if field.name != "c":
                 require_sign(field.name, value)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from uncertainties import ufloat
 
 import stickslip_sym as ss
-from stickslip_sym.core.numbers import fraction
+from stickslip_sym.core.numbers import fraction, real
 from stickslip_sym.core.uncertain import split
 
 UNITS = {
@@ -187,7 +187,14 @@ def test_what_is_no_number_before_a_unit_is_refused(text):
 @pytest.mark.parametrize("value", ["0.400(5)", "0.400+/-0.005", "40(5) cm/s", "(0.4 ± 0.1)", ufloat(0.4, 0.005)])
 def test_a_standard_error_that_is_not_used_is_named(value):
     with pytest.raises(ss.InputError, match=r"V = .* has a standard error, and none is used here; give"):
+        real("V", value)
+    with pytest.raises(
+        ss.InputError, match=r"V = .* an Oscillator holds numbers alone; .*errors=.*pure_slip_damping"
+    ):
         ss.Oscillator(V=value, N=9.81, m=1, k=100)
+    if "cm" not in str(value):  # the way that is named, for a force
+        needed = ss.pure_slip_damping(ss.laws.linear.typical(), V=0.5, N=value)
+        assert needed.budget.uncertainty / needed.value == pytest.approx(0.0125 if "1" not in str(value) else 0.25)
 
 
 @pytest.mark.parametrize("unit", ["rev/min", "furlong/s", "N/(m", "Nss/m", "mm/S"])

@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -103,12 +103,16 @@ class Measurements(Drawn, TableResult):
     def of(cls, v: ArrayLike, mu: ArrayLike, sigma: ArrayLike | None = None) -> "Measurements":
         """Return measurements from arrays of one length; `sigma` may be one number for all.
 
+        Rows with a value that a masked array of NumPy masks are left out, and counted.
+
         Raises
         ------
         InputError
             For lengths that differ, speeds below 0, coefficients beyond 5, standard deviations not above 0, or
             what is no number.
         """
+        given, masked = _unmasked({"v": v, "mu": mu, "sigma": sigma})
+        v, mu, sigma = given["v"], given["mu"], given["sigma"]
         speeds, coefficients = (np.array(read_array(name, x), np.float64) for name, x in (("v", v), ("mu", mu)))
         if speeds.ndim != 1 or speeds.shape != coefficients.shape:
             raise InputError(f"v has the shape {speeds.shape} and mu {coefficients.shape}; give one mu for each v")
@@ -127,6 +131,7 @@ class Measurements(Drawn, TableResult):
         order = np.argsort(speeds, kind="stable")
         known = None if deviations is None else np.broadcast_to(deviations, speeds.shape)[order]
         rows = f"{len(speeds)} rows{'' if sigma is None else ' with sigma'}"
+        rows += f", {masked} masked rows left out" if masked else ""
         return cls(speeds[order], coefficients[order], known, rows, order=order).in_branches().with_tails_weighed()
 
     def in_branches(self, direction: IntArray | None = None) -> "Measurements":
@@ -435,6 +440,20 @@ def read_measurements(
     read = read.in_branches(direction[order])
     read = read.with_tails_weighed(heavy if read.branches is None else None)
     return read if bins is None else read.binned(bins)
+
+
+def _unmasked(given: Mapping[str, Any]) -> tuple[dict[str, Any], int]:
+    """Return arrays without the rows that a mask of any of them hides, and the number of such rows."""
+    hidden = [np.ma.getmaskarray(x) for x in given.values() if np.ma.is_masked(x)]
+    shapes = {mask.shape for mask in hidden}
+    if not hidden or len(shapes) > 1 or len(hidden[0].shape) != 1:
+        return dict(given), 0
+    keep = ~np.any(hidden, axis=0)
+    shown = {
+        name: np.ma.getdata(x)[keep] if np.shape(x) == keep.shape else x
+        for name, x in given.items()
+    }  # fmt: skip
+    return shown, int((~keep).sum())
 
 
 def _chosen_blocks(block: int | Iterable[int] | None) -> tuple[int, ...]:

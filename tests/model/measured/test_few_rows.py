@@ -209,3 +209,15 @@ def test_unmeasured_part_is_the_difference_of_two_thresholds():
     built_up = ss.FrictionLaw("Piecewise((v/0.05, v < 0.05), (1, True))*(0.2 + 0.3*exp(-3*v))")
     values = [least_squares(each) for each in (law, built_up)]
     assert unmeasured_part(law, 0.05, **POINT) == pytest.approx(values[0] - values[1], rel=1e-4)
+
+
+def test_masked_rows_are_left_out_and_counted():
+    """A mask of any column hides the row, as if it had not been measured."""
+    v, mu = measured(12, 3)
+    hidden = [np.ma.masked_array(v, np.arange(12) == 2), np.ma.masked_where(np.arange(12) == 7, mu)]
+    left = ss.results.Measurements.of(*hidden)
+    keep = ~np.isin(np.arange(12), (2, 7))
+    assert (left.v.tolist(), left.mu.tolist()) == (v[keep].tolist(), mu[keep].tolist())
+    assert str(left) == "10 rows, 2 masked rows left out"
+    masked, plain = (ss.fit(*rows, laws="linear").best.values for rows in (hidden, (v[keep], mu[keep])))
+    assert masked == plain
