@@ -55,7 +55,7 @@ def fit(
     *,
     progress: Callable[[int, int], None] | None = None,
 ) -> Fits:
-    """Fit friction laws to measurements by least squares, and rank them by AICc.
+    """Fit friction laws to measurements by least squares, and rank them by their weights, as `Fits` says.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def fit(
 
     Notes
     -----
-    The sum of ((mu_i - mu(v_i; p)) / sigma_i)^2 is minimised by SciPy's ``least_squares``, with exact
+    The sum of ((mu_i - mu(v_i; p)) / sigma_i)^2 is minimised by SciPy's ``leastsq``, with exact
     derivatives, from several starts. Places and frequencies are looked for on grids as fine as the measurements
     resolve, with the parameters in which mu is linear eliminated (variable projection). Parameters that are
     declared positive stay so. Laws with mu(0) = 0 are fitted only where the speeds reach below the one at which
