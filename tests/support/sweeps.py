@@ -1,6 +1,7 @@
 """Sweeps over many cases: a few always, the others with ``pytest --thorough``."""
 
 import pytest
+from hypothesis import settings
 
 
 def sweep(names, cases, *always, **options):
@@ -13,3 +14,9 @@ def sweep(names, cases, *always, **options):
         pytest.param(*row, marks=[thorough] * (case not in kept)) for row, case in zip(rows, cases, strict=True)
     ]
     return pytest.mark.parametrize(names, marked, **options)
+
+
+def fewer(examples):
+    """Take so many examples of a property that is dear; with ``--thorough`` as many as of any."""
+    usual = settings().max_examples
+    return settings(max_examples=examples if usual < 100 else usual)

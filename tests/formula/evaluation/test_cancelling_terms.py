@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from languages import values_of
-from sweeps import sweep
+from sweeps import fewer, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.criteria.enclosure import Enclosure
@@ -99,6 +99,7 @@ def test_a_wide_enclosure_beyond_floats_is_shown():
     [("least_squares", 3e-10), ("harmonic", 3e-10), ("harmonic", 1e-7)],
     ("harmonic", 3e-10),
 )
+@fewer(2)
 @given(V=st.floats(0.2, 2.0))
 def test_a_narrow_peak_is_no_end_of_a_law(criterion, width, V):
     law = f"0.5 + 0.1/(1 + ((v - 0.18)/{width})^2)"
