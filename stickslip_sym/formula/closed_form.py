@@ -220,7 +220,8 @@ class ClosedForm(SlopeAverage):
         is_there = name is not None and name in laws and laws[name].expr == law.expr
         if not is_there or self.criterion.name not in catalogue:
             return "no certificate was run here"
-        if self.criterion.weight is None or self.criterion.is_polynomial:
+        is_in_coq = self.criterion.weight is None or self.criterion.is_polynomial or law.expr.is_polynomial(v)
+        if is_in_coq:
             return "its page in SymPy and its script in Coq are run every night"
         return "its page in SymPy is run every night"
 
@@ -411,7 +412,8 @@ class ClosedForm(SlopeAverage):
 
         The script in Coq, 8.16 or later with Coquelicot 3.2, states mu(v), the kernel K(v) of (16) or of another
         polynomial weight, and c, and proves that c is the integral of N mu(v) K(v) from 0 to 2 V, or that -c/N
-        is the derivative of mu at V, for all parameters of the stated signs. Its last lines print the theorem and
+        is the derivative of mu at V, or, for polynomials, that c is the integral of the harmonic criterion; for
+        all parameters of the stated signs. Its last lines print the theorem and
         the axioms that it rests on, those of Coq's real numbers.
 
         Parameters

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from sweeps import sweep
 
 import stickslip_sym as ss
+from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 
 needs_coq = pytest.mark.skipif(shutil.which("coqc") is None, reason="no coqc here")
@@ -22,8 +23,9 @@ AXIOMS = {"ClassicalDedekindReals.sig_not_dec", "ClassicalDedekindReals.sig_fora
           "Eqdep.Eq_rect_eq.eq_rect_eq"}  # fmt: skip
 """Those of Coq's real numbers and of Coquelicot."""
 CATALOGUE = [(name, criterion) for name in ss.laws for criterion in ("equilibrium", "least_squares")]
+CATALOGUE += [(name, "harmonic") for name, law in ss.laws.items() if law.expr.is_polynomial(symbols.v)]
 WITHOUT_FORM = {("andersson", "least_squares")}
-SHORT = [("exponential", "least_squares"), ("tanh", "equilibrium")]
+SHORT = [("exponential", "least_squares"), ("tanh", "equilibrium"), ("polynomial", "harmonic")]
 README = Path(__file__).parents[2] / "README.md"
 KINKED = "0.2 + (mu_s - 0.2)*Max(0, 1 - v/v_1)"
 
@@ -68,8 +70,12 @@ def test_coq_accepts_a_closed_form(law, criterion, tmp_path):
     if law == "exponential":
         shown = re.search(r"^```coq\n(.*?)^```", README.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)[1]
         assert printed.split("Axioms:")[0].split() == shown.split()
-    stated = "is_derive (mu" if criterion == "equilibrium" else "is_RInt (fun v : R => N * mu"
-    assert stated in " ".join(printed.split())
+    stated = {
+        "equilibrium": "is_derive (mu",
+        "least_squares": "is_RInt (fun v : R => N * mu",
+        "harmonic": "is_RInt (fun v : R => - N * w (v / V - 1) * Derive (mu",
+    }
+    assert stated[criterion] in " ".join(printed.split())
 
 
 @needs_coq
@@ -110,7 +116,7 @@ def test_letters_that_mean_something_in_coq_get_other_names():
 @pytest.mark.parametrize(
     ("law", "criterion", "words"),
     [
-        ("exponential", "harmonic", "weights that are polynomials"),
+        ("exponential", "harmonic", "the harmonic criterion of polynomials of v, and no rule"),
         ("0.3/(1+v) + 0.1*exp(-v)/(1+v)", "least_squares", "expint"),
         ("mu_s - 0.1*log(v/v_0)", "least_squares", "cannot tell that .*, in log"),
         ("0.3 + 0.1*v^(-1/4)", "least_squares", "is positive"),

@@ -106,3 +106,58 @@ Theorem criterion : ${conditions}is_derive mu V (- c / N).
 Proof.
   intros. $cases
 Qed.
+(*# weight *)
+Definition w (s : R) : R := 2 / PI * sqrt (1 - s ^ 2).
+
+(*# harmonic *)
+(* ---- The proof, over the angle t of v = V (1 - cos t) ---- *)
+Definition slope (v : R) : R := $slope.
+Definition speed (t : R) : R := V * (1 - cos t).
+Definition rise (t : R) : R := - N * (2 / PI) * ($rise).
+Definition integrand (v : R) : R := - N * w (v / V - 1) * Derive mu v / V.
+Definition over_angle (t : R) : R := - N * (2 / PI) * (sin t ^ 2 * slope (speed t)).
+Lemma slope_is v : Derive mu v = slope v.
+Proof. apply is_derive_unique. unfold mu, slope. auto_derive; [exact Logic.I | field; positive]. Qed.
+Lemma integrand_continuous v : continuous integrand v.
+Proof.
+  apply (continuous_ext (fun v => - N * (2 / PI * sqrt (1 - (v / V - 1) ^ 2)) * slope v * / V)).
+  { intro y. unfold integrand, w. rewrite slope_is. reflexivity. }
+  apply (continuous_mult (fun v => - N * (2 / PI * sqrt (1 - (v / V - 1) ^ 2)) * slope v) (fun _ => / V)); [| apply continuous_const].
+  apply (continuous_mult (fun v => - N * (2 / PI * sqrt (1 - (v / V - 1) ^ 2))) slope).
+  - apply (continuous_mult (fun _ => - N)); [apply continuous_const |].
+    apply (continuous_mult (fun _ => 2 / PI)); [apply continuous_const |].
+    apply (continuous_comp (fun v => 1 - (v / V - 1) ^ 2) sqrt); [| apply continuous_sqrt].
+    apply (ex_derive_continuous (V := R_NormedModule)). auto_derive. positive.
+  - apply (ex_derive_continuous (V := R_NormedModule)). unfold slope. auto_derive. exact Logic.I.
+Qed.
+Lemma by_angle : is_RInt over_angle 0 PI c.
+Proof.
+  pose proof PI_RGT_0. replace c with (minus (rise PI) (rise 0)).
+  - apply (is_RInt_derive rise over_angle); intros t _.
+    + unfold rise, over_angle, slope, speed. auto_derive; [exact Logic.I |].
+      assert (Q : sin t * sin t = 1 - cos t * cos t) by (pose proof (sin2_cos2 t) as E; unfold Rsqr in E; lra).
+      field [Q]; positive.
+    + apply (ex_derive_continuous (V := R_NormedModule)). unfold over_angle, slope, speed. auto_derive. exact Logic.I.
+  - change (rise PI - rise 0 = c). unfold rise, c. rewrite ?sin_PI, ?cos_PI, ?sin_0, ?cos_0. field; positive.
+Qed.
+Theorem criterion : is_RInt (fun v => - N * w (v / V - 1) * Derive mu v / V) 0 (2 * V) c.
+Proof.
+  pose proof PI_RGT_0.
+  assert (S : is_RInt (fun t => scal (V * sin t) (integrand (speed t))) 0 PI (RInt integrand (speed 0) (speed PI))).
+  { apply (is_RInt_comp (V := R_CompleteNormedModule) integrand speed (fun t => V * sin t)); intros t _.
+    - apply integrand_continuous.
+    - split; [unfold speed; auto_derive; [exact Logic.I | ring] |].
+      apply (ex_derive_continuous (V := R_NormedModule)). auto_derive. exact Logic.I. }
+  replace (speed 0) with 0 in S by (unfold speed; rewrite cos_0; ring).
+  replace (speed PI) with (2 * V) in S by (unfold speed; rewrite cos_PI; ring).
+  assert (T : is_RInt over_angle 0 PI (RInt integrand 0 (2 * V))).
+  { revert S. apply is_RInt_ext. rewrite Rmin_left, Rmax_right by lra. intros t Ht.
+    change (V * sin t * integrand (speed t) = over_angle t).
+    unfold integrand, over_angle, w. rewrite slope_is. replace (1 - (speed t / V - 1) ^ 2) with (sin t ^ 2).
+    - rewrite sqrt_pow2 by (apply Rlt_le, sin_gt_0; lra). field; positive.
+    - pose proof (sin2_cos2 t) as E. unfold Rsqr in E. unfold speed.
+      replace (V * (1 - cos t) / V - 1) with (- cos t) by (field; positive). lra. }
+  change (is_RInt integrand 0 (2 * V) c). replace c with (RInt integrand 0 (2 * V)).
+  - apply (RInt_correct (V := R_CompleteNormedModule)), ex_RInt_continuous. intros x _. apply integrand_continuous.
+  - rewrite <- (is_RInt_unique _ _ _ _ T). exact (is_RInt_unique _ _ _ _ by_angle).
+Qed.

@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 
+from stickslip_sym.certificates.coq.harmonic import Harmonic
 from stickslip_sym.certificates.coq.integral import Integral
 from stickslip_sym.certificates.coq.printer import Unsupported
 from stickslip_sym.certificates.coq.slope import Slope
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.remedies import Call, Name
+from stickslip_sym.core.remedies import Name
 from stickslip_sym.formula.closed_form import ClosedForm
-from stickslip_sym.output import printing
 
 
 def coq_script(form: ClosedForm) -> str:
@@ -29,11 +29,7 @@ def coq_script(form: ClosedForm) -> str:
     if criterion.weight is None:
         return Slope(form).text()
     if not criterion.is_polynomial:
-        raise InputError(
-            f"a script in Coq has weights that are polynomials, and the criterion {criterion.name!r} has "
-            f"{printing.text(criterion.weight)}; its certificate in SymPy proves it: ",
-            Call('form.certificate("sympy")', "export LAW --certificate FILE.py"),
-        )
+        return Harmonic(form).text()
     return Integral(form).text()
 
 
