@@ -116,6 +116,8 @@ def reference(linked: dict[str, str]) -> str:
 def linked_within(text: str) -> str:
     """Return a page without links to what it does not show: members that a class has from a private one."""
     shown = set(re.findall(r'id="([^"]+)"', text))
+    # What pdoc leaves empty, as a style draws it, has a name for those who hear the page.
+    text = re.sub(r'(<a class="headerlink" href="#([^"]+)")>', r'\1 aria-label="link to \2">', text)
     return re.sub(r'<a href="#([^"]+)">(.*?)</a>', lambda link: link[0] if link[1] in shown else link[2], text)
 
 

@@ -7,7 +7,7 @@ import click
 import stickslip_sym as ss
 from stickslip_sym.cli.derive import derived
 from stickslip_sym.cli.options import LAW_NAMES, Given, command, plot_option
-from stickslip_sym.cli.output import echo_json
+from stickslip_sym.cli.output import echo_json, say
 from stickslip_sym.cli.reading import criteria_of
 from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.model.operating_point import PAPER
@@ -35,20 +35,18 @@ def run(given: Given) -> None:
     if given["json"]:
         echo_json("laws", laws=laws, **({"criteria": forms} if forms else {}))
     elif name is None:
-        click.echo(
-            table(["law", "mu(v)", "parameters"], [[str(law.name), law.text, _typical(law)] for law in laws])
-        )
+        say(table(["law", "mu(v)", "parameters"], [[str(law.name), law.text, _typical(law)] for law in laws]))
     else:
         (law,) = laws
         rows = [[p.name, p.typical or "", p.unit or "", p.meaning] for p in law.parameters.values()]
         parameters = table(["parameter", "typical", "unit", "meaning"], rows)
-        click.echo(f"{law.name}: mu(v) = {law.text}\n\n{parameters}\n")
-        click.echo(f"validity: {law.validity}\nsource: {law.source}")
+        say(f"{law.name}: mu(v) = {law.text}\n\n{parameters}\n")
+        say(f"validity: {law.validity}\nsource: {law.source}")
         for criterion, form in forms.items():
             if isinstance(form, NoClosedForm):
-                click.echo(f"\n{criterion}: no closed form. {form}")
+                say(f"\n{criterion}: no closed form. {form}")
             else:
-                click.echo(f"\n{criterion}, {form.verdict.status.value}\n{formula('c', form.expr)}")
+                say(f"\n{criterion}, {form.verdict.status.value}\n{formula('c', form.expr)}")
 
 
 def _typical(law: ss.FrictionLaw) -> str:

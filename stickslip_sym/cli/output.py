@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 Json = dict[str, Any]
 """What stands for an object of JSON."""
 
+PRINTED = "stickslip_sym: an object of JSON"
+"""Marks a call that has printed one: an error that follows prints no second."""
 _FORMAT = 3
 _LONGEST = 60  # characters of what is under way
 
@@ -63,10 +65,20 @@ def _in_words(step: Step) -> str:
     return f"{words} ({step.done} of {step.total})" if step.total > 1 else words
 
 
+def say(text: str) -> None:
+    """Print text whose lines fit the terminal."""
+    from stickslip_sym.output.tables import fitted
+
+    click.echo(fitted(text))
+
+
 def echo_json(command: str, **found: object) -> None:
     """Print the object of a command; results in it become what `content` makes of them."""
     from stickslip_sym.output.content import content
 
+    context = click.get_current_context(silent=True)
+    if context is not None:
+        context.find_root().meta[PRINTED] = True
     head = {"format": _FORMAT, "version": __version__, "command": command}
     click.echo(json.dumps(head | content(found), indent=2, ensure_ascii=False, allow_nan=False))
 
@@ -74,7 +86,7 @@ def echo_json(command: str, **found: object) -> None:
 def echo_all(given: Given, found: Sequence[Json], texts: Iterable[str], many: str = "points") -> None:
     """Print what was found at one point, or of one file, or of several: as texts, or as JSON."""
     if not given["json"]:
-        click.echo("\n\n".join(texts))
+        say("\n\n".join(texts))
     else:
         echo_json(given.command, **found[0] if len(found) == 1 else {many: found})
 

@@ -73,7 +73,7 @@ class Program(click.Group):
                 return super().invoke(ctx)
             except StickSlipError as error:
                 code = BAD_INPUT if isinstance(error, InputError) else NO_RESULT
-                return _failed(ctx.invoked_subcommand, type(error).__name__, str(error), code)
+                return _failed(ctx, ctx.invoked_subcommand, type(error).__name__, str(error), code)
 
 
 def _summary(name: str, width: int = 80) -> str:
@@ -112,7 +112,7 @@ def _run() -> int:
         return INTERRUPTED
     except click.ClickException as error:
         context = getattr(error, "ctx", None)
-        return _failed(context and context.info_name, "InputError", _explained(error), BAD_INPUT)
+        return _failed(context, context and context.info_name, "InputError", _explained(error), BAD_INPUT)
     except OSError as error:
         # The rest of the buffer goes nowhere: Python would try again at its end, and complain.
         nowhere = os.open(os.devnull, os.O_WRONLY)
@@ -123,12 +123,12 @@ def _run() -> int:
         return NO_RESULT
 
 
-def _failed(command: str | None, kind: str, message: str, code: int) -> int:
-    """Print an error on stderr, and where JSON was asked for as its object too; return the exit code."""
-    click.echo(printable(f"error: {message}", lines=True), err=True)
-    if "--json" in sys.argv[1:]:
-        from stickslip_sym.cli.output import echo_json
+def _failed(context: click.Context | None, command: str | None, kind: str, message: str, code: int) -> int:
+    """Print an error on stderr, as JSON too where that was asked for and not printed; return the exit code."""
+    from stickslip_sym.cli.output import PRINTED, echo_json
 
+    click.echo(printable(f"error: {message}", lines=True), err=True)
+    if "--json" in sys.argv[1:] and (context is None or PRINTED not in context.find_root().meta):
         echo_json(command or "stickslip", error={"type": kind, "message": message, "exit_code": code})
     return code
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,8 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.operating_point import PAPER
 from stickslip_sym.output.files import read_bytes
 
+_FRACTION = re.compile(r"\d+/\d+")
+_LONG_FRACTION = 9  # characters: 1/2 and 981/100 stay what was typed
 _LARGEST_POINT = 1_000_000  # bytes of a file of values
 
 
@@ -59,8 +63,16 @@ class Point:
             mark = " (typical)" if name in self.typical else ""
             parameters.append(f"{name} = {shown}{'' if unit in (None, '1') else f' {unit}'}{mark}")
         formula = f"{f'{law.name}: ' if law.name else ''}mu(v) = {law.text if law.curve is None else law.curve}"
+        shown_texts = {name: _in_decimals(text) for name, text in self.texts.items()}
         lines = formula, ", ".join(parameters + [f"{name} = ?" for name in law.missing])
-        return "\n".join(filter(None, [*lines, symbols.in_words(self.texts, self.defaults)]))
+        return "\n".join(filter(None, [*lines, symbols.in_words(shown_texts, self.defaults)]))
+
+
+def _in_decimals(text: str) -> str:
+    """Return a quantity as it is read: a long fraction, to which a unit was converted exactly, by its digits."""
+    if len(text) <= _LONG_FRACTION or not _FRACTION.fullmatch(text):
+        return text
+    return f"{float(Fraction(text)):.12g}"
 
 
 def points(

@@ -51,6 +51,7 @@ from stickslip_sym.output.markup import Markup, element
 from stickslip_sym.output.page.render import equation, now, render, with_error
 from stickslip_sym.output.tables import duration
 
+_SHEETS = 2  # of paper
 _PERIODS = 8  # of free vibration, that the motion is shown for
 _EACH = 20.0  # seconds that one part may take
 _RTOL = 1e-10  # of thresholds
@@ -342,7 +343,9 @@ class Study(DataResult):
         return target
 
     def print(self, path: str | Path) -> Path:
-        """Print the page to a PDF file of A4 sheets, by a chromium that is on the path.
+        """Print the page to a PDF file of two A4 sheets, by a chromium that is on the path.
+
+        Letters get smaller where it would not fit, down to 6.5 points; what is longer still takes more sheets.
 
         Raises
         ------
@@ -350,7 +353,7 @@ class Study(DataResult):
             If there is no browser, it cannot print, or the file cannot be written.
         """
         target = Path(path)
-        print_to_pdf(self.page, target)
+        print_to_pdf(self.page, target, sheets=_SHEETS)
         return target
 
     def __str__(self) -> str:

@@ -12,6 +12,7 @@ from uncertainties import UFloat, covariance_matrix
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import real
+from stickslip_sym.core.remedies import Argument
 from stickslip_sym.output.drawing import BLUE, finish, new_figure, save, styled
 
 if TYPE_CHECKING:
@@ -75,7 +76,9 @@ def figure_of_law(law: DrawnLaw, v_max: float, path: str | Path | None, ax: "Axe
     """Draw a law on its own, as `FrictionLaw.plot` does."""
     top = real("v_max", v_max)
     if not 0 < top < math.inf:
-        raise InputError(f"v_max = {top:g} is no slip speed; give the highest one in m/s, as v_max=1.0")
+        raise InputError(
+            f"v_max = {top:g} is no slip speed; give the highest one in m/s, as ", Argument("v_max", 1.0)
+        )
     bounds = partial(band, law) if law.uncertain else None
     with styled():
         if ax is None:

@@ -4,6 +4,7 @@ Chromium sets the page's own formulas, tables and drawings on sheets as its styl
 what was looked at. matplotlib writes PDF too, but sets no tables and no MathML: the page would be made twice.
 """
 
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -14,6 +15,8 @@ from stickslip_sym.output.files import write_text
 
 _NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
 _OTHERWISE = "open the page in any browser, and print it to a file there"
+_SMALLER = 7.5, 7.0, 6.5  # points, of letters that are 8 as a rule; smaller ones are not read
+_SHEET = re.compile(rb"/Type\s*/Page\b")
 _SECONDS = 60  # for one page; usually 2
 _OPTIONS = (
     # The sandbox needs rights that containers do not give; the page has no script and refers to nothing.
@@ -35,8 +38,22 @@ def require_browser() -> str:
     return browser
 
 
-def print_to_pdf(page: str, path: Path) -> None:
-    """Print a page to a PDF file; what was there before stays if that fails."""
+def print_to_pdf(page: str, path: Path, *, sheets: int) -> None:
+    """Print a page to a PDF file; what was there before stays if that fails.
+
+    `sheets` are as many as it should take: smaller letters are tried where it takes more.
+    """
+    content = _as_pdf(page)
+    for points in _SMALLER:
+        if len(_SHEET.findall(content)) <= sheets:
+            break
+        smaller = f"<style>@media print {{ html {{ font-size: {points}pt }} }}</style></head>"
+        content = _as_pdf(page.replace("</head>", smaller, 1))
+    write_text(path, content)
+
+
+def _as_pdf(page: str) -> bytes:
+    """Return a page as PDF."""
     browser = require_browser()
     with TemporaryDirectory() as folder:
         source, printed = Path(folder, "page.html"), Path(folder, "page.pdf")
@@ -50,4 +67,4 @@ def print_to_pdf(page: str, path: Path) -> None:
         content = printed.read_bytes() if printed.is_file() else b""
         if not content.startswith(b"%PDF"):
             raise InputError(f"{Path(browser).name} did not print, exit code {done.returncode}; {_OTHERWISE}")
-    write_text(path, content)
+    return content

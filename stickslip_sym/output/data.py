@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.remedies import Call
 from stickslip_sym.output.content import content
 
 if TYPE_CHECKING:
@@ -51,7 +52,8 @@ class TableResult(DataResult):
         try:
             from pandas import DataFrame
         except ImportError:
-            raise InputError("pandas is not installed: pip install pandas; or take to_dict()") from None
+            instead = Call("to_dict()", "--json")
+            raise InputError("pandas is not installed: pip install pandas; or take ", instead) from None
         return DataFrame(self._table_columns())
 
 

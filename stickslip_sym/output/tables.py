@@ -1,30 +1,64 @@
 """Plain text tables, no wider than a page, and durations."""
 
+import re
+import shutil
 import sys
 from collections.abc import Sequence
+from textwrap import wrap
 
-WIDTH = 115  # characters of a line
+WIDTH = 80  # characters of a line, where there is no terminal that is wider
+
+
+_APART = 2  # blanks between columns
+_LONG_NUMBER = re.compile(r"-?\d+\.\d{30,}(?:e[-+]?\d+)?")
+"""What is not broken, as it is copied as a whole."""
+_BESIDE_NUMBERS = 38  # characters for all other columns
+_ROW = re.compile(r"\S {2,}\S")
+_EQUALS = "\0=\0"  # stands for " = " while lines are broken
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return rows of text under a header, in aligned columns with no trailing blanks.
 
-    It is no wider than the terminal, without one than `WIDTH`; longer cells go on below, and nothing is cut.
+    It is no wider than the terminal, without one than `WIDTH`, or than numbers of many digits ask for; longer
+    cells go on below, and nothing is cut.
     """
     from rich.console import Console
     from rich.table import Table
 
-    shown = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="")
-    for name in header:
-        shown.add_column(name, overflow="fold")
+    shown = Table(box=None, pad_edge=False, padding=(0, _APART, 0, 0), header_style="")
+    columns = [[name, *(row[place] for row in rows)] for place, name in enumerate(header)]
+    numbers = [
+        max((len(cell) for cell in column if _LONG_NUMBER.fullmatch(cell)), default=0) for column in columns
+    ]
+    for name, column, number in zip(header, columns, numbers, strict=True):
+        shown.add_column(name, overflow="fold", no_wrap=0 < number == max(map(len, column)))
     for row in rows:
         shown.add_row(*row)
-    width = None if sys.stdout.isatty() else WIDTH
+    width = None if sys.stdout.isatty() else max(WIDTH, _BESIDE_NUMBERS + sum(numbers) if any(numbers) else 0)
     # In Jupyter Rich would show a box of its own, and an empty one, as what is printed is kept.
     console = Console(width=width, markup=False, emoji=False, highlight=False, force_jupyter=False)
     with console.capture() as captured:
         console.print(shown)
     return "\n".join(line.rstrip() for line in captured.get().splitlines())
+
+
+def fitted(text: str) -> str:
+    """Return text whose lines fit the terminal, without one `WIDTH`: a longer one goes on below, indented.
+
+    An equation of a name and a number stays together, and so does a long word; rows of tables fit already.
+    """
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else WIDTH
+    lines = list[str]()
+    for line in text.split("\n"):
+        if _ROW.search(line):
+            lines.append(line)
+            continue
+        indent = " " * (len(line) - len(line.lstrip()) + 2)
+        joined = line.replace(" = ", _EQUALS)
+        broken = wrap(joined, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+        lines += [part.replace(_EQUALS, " = ") for part in broken or [""]]
+    return "\n".join(lines)
 
 
 def duration(seconds: float) -> str:

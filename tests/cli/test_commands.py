@@ -60,7 +60,7 @@ def test_every_command_has_json_and_described_options(name):
 
 
 TEXTS = [
-    ("laws", r"^exponential +mu_m \+ \(mu_s - mu_m\)\*exp\(-alpha\*v\) +mu_s = 0.5"),
+    ("laws", r"^exponential +mu_m \+ \(mu_s - +mu_s = 0.5"),
     ("laws hyperbolic", r"\Ahyperbolic: mu\(v\) = mu_m \+ \(mu_s - mu_m\)/\(v/v_s \+ 1\)\n",
      r"^equilibrium, PROVED\n  c = ", r"^least_squares, PROVED\n  c = ", r"^harmonic, PROVED\n  c = "),
     # answers begin with the operating point
@@ -68,7 +68,7 @@ TEXTS = [
      r"^c = 2\.578531669 kg/s \(harmonic, relative error unknown, ESTIMATED\)$"),
     ("damping exponential -V 0.5", rf"\A{FORMULA}, N = 9.81 N \(default\), m = 1 kg \(default\)"),
     ("critical exponential --of c", rf"\A{FORMULA} \(default\), N = 9.81 N \(default\)"),
-    ("simulate exponential", rf"\A{FORMULA} \(default\), .*, c = 0 kg/s \(default\)$"),
+    ("simulate exponential", rf"\A{FORMULA} \(default\),[^$]*, c = 0 kg/s \(default\)$"),
     ("damping exponential -p mu_s=0.50+/-0.02 -V 0.50(1) --method orbit",
      r"^c = 2\.57 \+/- 0\.18 kg/s \(parameters\)", r"^mu_s +0\.02 +0\.171 +91\.9 %$"),
     ("critical exponential --of alpha -c 2 --method harmonic",
@@ -80,7 +80,7 @@ TEXTS = [
      r"probability that stick-slip is possible: 0\.2"),
     ("simulate exponential -c 1 --t-end 3", r"^0 +0 +0.5 +start +stick$",
      "outcome: finished, at t = 3 s, 10 events",
-     r"^0.0881 +0.04405 +0.5 +static friction gives way +slip, slower than the belt$"),
+     r"^0.0881 +0.04405 +0.5 +static friction +slip, slower than the\n +gives way +belt$"),
     ("simulate exponential --t-end 40", r"^and \d+ more events$"),
     ("simulate exponential -c 30 --t-end 100", "outcome: at rest, at t = 100 s", "fewer than two slips"),
     ("map exponential --x V=0.5:0.8:2 --y c=1:3:3", "c = 1 to 3 upwards, V = 0.5 to 0.8 to the right",
@@ -88,8 +88,8 @@ TEXTS = [
     ("derive a-b*v --criterion all",
      r"^ClosedForm: .*, equilibrium, [^$]*^ClosedForm: .*, harmonic, ", r"c = N\*b"),
     ("derive exponential", "^ClosedForm: exponential, least_squares, PROVED", r"^closed form +2\.5459",
-     r"^quadrature, 50 digits +[-\d.]+ +(0|\d\.?\d*e-(49|5\d)) ",
-     r"^event-driven threshold +[\d.]+ +0\.0[01]\d* "),
+     r"^quadrature, 50 (?:digits)? +[-\d.]+ +(0|\d\.?\d*e-(49|5\d)) ",
+     r"^event-driven (?:threshold)? +[\d.]+ +0\.0[01]\d* "),
 ]  # fmt: skip
 
 

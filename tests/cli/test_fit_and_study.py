@@ -47,7 +47,8 @@ def test_what_a_file_is_read_as_is_shown_and_written_in_clean_columns(tmp_path, 
     (tmp_path / "raw.txt").write_text("t\tspeed [mm/s]\tµ\tstd\n1\t200\t0,3\t0,01\n2\t-100\t-0,4\t0,02\n")
     code, out, err = run("read", "raw.txt", "--csv", "clean.csv", "--plot", "raw.svg")
     assert (code, err) == (0, "")
-    assert out.startswith("2 rows, v in mm/s, mu from column 3, sigma from column 4, both signs of speed folded, ")
+    understood = "2 rows, v in mm/s, mu from column 3, sigma from column 4, both signs of speed folded, "
+    assert " ".join(out.split()).startswith(understood)
     assert "columns parted by tabs, decimal comma\nraw.txt, " in out
     assert [line.split() for line in out.splitlines()[-2:]] == [["0.1", "0.4", "0.02"], ["0.2", "0.3", "0.01"]]
     clean, raw = ss.read_measurements("clean.csv"), ss.read_measurements("raw.txt")

@@ -16,6 +16,7 @@ from stickslip_sym.motion.margins import critical
 from stickslip_sym.motion.thresholds import methods
 from stickslip_sym.motion.thresholds.methods import ask
 from stickslip_sym.motion.thresholds.threshold import Threshold
+from stickslip_sym.output import browser
 
 OSC = ss.Oscillator(m=1, k=100, c=2, V=0.5, N=9.81)
 PARTS = ["headline", "verdict", "thresholds", "law", "sensitivities", "margins", "formulas", "assumed", "versions"]
@@ -149,6 +150,25 @@ def test_the_page_prints_on_two_sheets(tmp_path):
     content = study.print(tmp_path / "study.pdf").read_bytes()
     assert content.startswith(b"%PDF")
     assert len(re.findall(rb"/Type\s*/Page\b", content)) == 2
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("font", ["", "DejaVu Sans"])
+def test_a_long_study_prints_on_two_sheets(font, tmp_path):
+    """Every value uncertain, a law of many parameters with long meanings, and wider letters."""
+    pytest.importorskip("matplotlib")
+    law = ss.FrictionLaw(
+        "mu_k + (mu_s - mu_k)*exp(-(v/v_s)^delta) + mu_v*v + mu_w*v^2",
+        name="lining on cast iron, worn and wet",
+        units={"mu_v": "s/m", "mu_w": "s^2/m^2", "v_s": "m/s"},
+        source="bench 4, " + 8 * "a long report, ",
+    ).bind(mu_k="0.20(1)", mu_s="0.50(2)", v_s="0.30(3)", delta="1.50(5)", mu_v="0.010(1)", mu_w="0.0010(2)")
+    errors = {"V": "0.50(1)", "N": "9.81(10)", "m": "1.00(1)", "k": "100.0(5)", "c": "2.00(5)"}
+    study = ss.study(law, OSC, errors=errors, time_limit=300)
+    wider = f"<style>body {{ font-family: '{font}' }}</style></head>" if font else "</head>"
+    page = study.page.replace("</head>", wider)
+    browser.print_to_pdf(page, tmp_path / "long.pdf", sheets=2)
+    assert len(re.findall(rb"/Type\s*/Page\b", (tmp_path / "long.pdf").read_bytes())) == 2
 
 
 def test_what_users_write_stays_text(monkeypatch):
