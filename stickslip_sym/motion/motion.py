@@ -4,7 +4,10 @@ from enum import Enum
 
 
 class Motion(Enum):
-    """What a mass does, in the end (`classify`, maps) or so far (`simulate`)."""
+    """What a mass does, in the end (`classify`, maps) or so far (`simulate`).
+
+    Rest is steady sliding: the mass stands still while the belt slides on below it.
+    """
 
     STICK_SLIP = "stick-slip"
     PURE_SLIP = "pure slip"
