@@ -75,7 +75,8 @@ class Average:
             return (Part(definition(self.profile, self.criterion), continued.value, rule, continued),)
         # Under the conditions, which SymPy then sees in every exponent.
         profile = self.profile.xreplace({shape: bound + sign * slack for shape, bound, slack, sign in self._slack})
-        return tuple(integrate_terms(profile, self.criterion, search_too=search))
+        end = sp.S.One if self.ends_at_scale else None
+        return tuple(integrate_terms(profile, self.criterion, search_too=search, end=end))
 
     def _formula(self, parts: tuple[Part, ...]) -> Expr:
         if not parts:
@@ -106,7 +107,17 @@ class Average:
         """What must hold for the profile to have a value at all slip speeds up to 2 V."""
         if self.criterion.weight is None:
             return ()
-        return tuple(sp.Gt(1 + 2 * rate * symbols.V, 0) for _, rate in self.rates.values())
+        relations = [sp.Gt(1 + 2 * rate * symbols.V, 0) for _, rate in self.rates.values()]
+        return (*relations, *([sp.Gt(1 - 2 * symbols.V, 0)] if self.ends_at_scale else []))
+
+    @cached_property
+    def ends_at_scale(self) -> bool:
+        """Whether the profile has a root or a logarithm's power that is real below v = 1 only.
+
+        That is (1 - v^n)^p, n > 1, or (-log(v))^p, p no whole number.
+        """
+        bases = {power.base for power in self.profile.atoms(sp.Pow) if power.exp.is_integer is False}
+        return any(_vanishes_at_one(base) for base in bases)
 
     @cached_property
     def _slack(self) -> list[tuple[Expr, Expr, Expr, int]]:
@@ -224,6 +235,14 @@ class Average:
 
     def __repr__(self) -> str:
         return f"Average: {printing.text(self.profile)}, {self.criterion.name}"
+
+
+def _vanishes_at_one(base: Expr) -> bool:
+    """Whether a function of v is 1 - v^n, n > 1, or -log(v), perhaps times a positive number."""
+    of_speed = base.as_independent(symbols.v, as_Add=False)[1] if base.is_Mul else base
+    power = sp.expand(1 - of_speed)
+    is_power = power.is_Pow and power.base == symbols.v and (power.exp - 1).is_positive
+    return bool(is_power or base.as_base_exp()[0] in (-sp.log(symbols.v), -1 / sp.log(symbols.v)))
 
 
 @dataclass(frozen=True)

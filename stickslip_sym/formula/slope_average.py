@@ -140,8 +140,10 @@ class SlopeAverage(TermSum, DataResult):
         Returns
         -------
         float, numpy.ndarray or numpy.ma.MaskedArray
-            In float64, with an error of a few units of eps N <|mu'|>; at V = 0 the limit -N mu'(0+). A number has
-            the same digits alone and in an array, as long as no shape of a profile, such as an exponent, is new.
+            In float64, with an error of a few units of eps N <|mu'|>; of the equilibrium criterion, which vanishes
+            where mu' does, of eps N times the sum of the |terms| of mu'(V). At V = 0 the limit -N mu'(0+).
+            A number has the same digits alone and in an array, as long as no shape of a profile, such as an
+            exponent, is new.
 
         Raises
         ------

@@ -179,7 +179,7 @@ def _scaled(constant: Expr, rest: Expr, rounded: Callable[[Expr], Expr] = lambda
 
 
 def _with_scale(constant: Expr, rest: Expr, scale: Expr) -> Term:
-    function = _simplified(_at_scale(rest, scale))
+    function = _simplified(_logarithms_apart(_at_scale(rest, scale)))
     if function.is_Add and not function.is_polynomial(symbols.v):  # terms that cancel
         function = sp.factor_terms(function)
     coefficient, profile = function.as_independent(symbols.v, as_Add=False)
@@ -203,6 +203,14 @@ def _at_scale(rest: Expr, scale: Expr) -> Expr:
         for node in rest.atoms(*RELATIONS) if node.has(symbols.v)
     }  # fmt: skip
     return with_numbers(rest.xreplace(relations), {symbols.v: scale * relative}).xreplace({relative: symbols.v})
+
+
+def _logarithms_apart(expr: Expr) -> Expr:
+    """Write log(a v) as log(a) + log(v), so that log(A) - log(A v) is -log(v)."""
+    return expr.replace(
+        lambda node: isinstance(node, sp.log) and node.args[0].is_Mul and symbols.v in node.args[0].args,
+        lambda node: sp.Add(*map(sp.log, node.args[0].args)),
+    )
 
 
 def _simplified(expr: Expr) -> Expr:
@@ -388,6 +396,10 @@ def _scales_of(node: Expr, v: Expr) -> Iterator[Expr]:
         for (p, a), (q, b) in pairwise(_monomials(node.args, v)):
             if p != q:
                 yield _root(a / b, q - p)
+        if node.has(sp.log(v)):  # of log(A/v), the speed A
+            scale = sp.exp(-node.coeff(sp.log(v), 0) / node.coeff(sp.log(v)))
+            if scale.is_positive and not scale.has(v, sp.exp):
+                yield scale
     elif (node.is_Pow and node.exp.has(v)) or (
         isinstance(node, sp.Function) and not isinstance(node, sp.Piecewise)
     ):

@@ -33,7 +33,7 @@ PROVED = {
     "A*exp(-q^2*log(v/v_m)^2)": {"A": "0.3", "q": "1.2", "v_m": "0.4"},
 }
 """Formulas with values of their parameters."""
-CHECKED = {
+ENDING = {
     "sqrt(q/log(A/v))": {"q": "0.1", "A": 9},
     "a*sqrt(1 - (v/v_m)^2)": {"a": "0.4", "v_m": 3},
 }
@@ -65,12 +65,26 @@ def test_what_is_finite_together_is_averaged_together(criterion, status):
         assert_value(form, {"a": "0.1", "v_1": "0.5", "v_2": "0.2"}, V)
 
 
-@pytest.mark.parametrize("formula", CHECKED)
-def test_a_law_that_ends_is_checked(formula):
+@pytest.mark.parametrize("formula", ENDING)
+def test_a_law_that_ends_is_proved_below_its_end(formula):
     form = ss.derive(formula, search=False)
-    assert form.verdict.status is ss.Status.CHECKED
+    assert form.verdict.status is ss.Status.PROVED
     for V in ("0.05", "0.7"):
-        assert_value(form, CHECKED[formula], V)
+        assert_value(form, ENDING[formula], V)
+    (relation,) = form.domain
+    assert relation.rhs == 0
+    with pytest.raises(ss.InputError, match="mu ends, or has a pole, before; take a lower speed"):
+        form.evaluate(20, V=9, N=1, **ENDING[formula])
+
+
+@pytest.mark.parametrize(("criterion", "status"), [("least_squares", "PROVED"), ("harmonic", "CHECKED")])
+def test_the_sine_integral(criterion, status):
+    form = ss.derive("mu_0 + a*sinc(v/w)", criterion, search=False)
+    assert form.verdict.status is ss.Status[status]
+    for V in ("0.013", "0.7"):
+        assert_value(form, {"mu_0": "0.3", "a": "0.1", "w": "0.2"}, V)
+    if status == "PROVED":
+        exec(form.certificate(), {"__name__": "page"})
 
 
 def test_a_damped_wave_has_a_harmonic_average_by_bessel_functions_of_a_complex_argument():

@@ -205,8 +205,8 @@ def _exponential_power(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
 def _power_of_logarithm(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     """Integrate u^n y^p, y = c - b log(u) > 0, b > 0: upper incomplete gamma functions of multiples of y."""
     base, p = node.as_base_exp()
-    if base.is_Pow and base.exp == -1:
-        base, p = base.base, -p
+    if sp.denom(base).has(u):
+        base, p = 1 / base, -p
     b, c = -base.coeff(sp.log(u)), base.subs(sp.log(u), 0)
     if p.has(u) or p.is_integer is not False or c.has(u) or not b.is_positive:
         return None
@@ -237,6 +237,18 @@ def _damped_wave(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
         return exponential * turned / square**j
 
     return by_parts(polynomial, ladder, u)
+
+
+def _sine_over_speed(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
+    """Integrate u^n sin(a u)/u: the sine integral, and for n > 0 a polynomial times sines."""
+    over, sine = factors.as_independent(sp.sin, as_Add=False)
+    line = coefficients(sine.args[0], u) if isinstance(sine, sp.sin) else []
+    if over != 1 / u or len(line) != 2 or line[1] != 0:
+        return None
+    powers = sp.Poly(polynomial, u)
+    higher = sp.cancel((powers - powers.nth(0)).as_expr() / u)
+    left = _ladder(higher, sine, line, u) if higher != 0 else sp.Integer(0)
+    return None if left is None else powers.nth(0) * sp.Si(sine.args[0]) + left
 
 
 def _exponential_logarithm(polynomial: Expr, exponential: Expr, logarithm: Expr, u: Expr) -> Expr | None:
@@ -481,6 +493,7 @@ _RULES = (
     Rule("Lerch transcendent", (sp.exp, sp.tanh), _exponential_tanh),
     Rule("exponential integral", None, _exponential_over_linear),
     Rule("damped oscillation", None, _damped_wave),
+    Rule("sine integral", None, _sine_over_speed),
     Rule("upper incomplete gamma", None, _exponential_power),
     Rule("upper incomplete gamma of a logarithm", (sp.Pow,), _power_of_logarithm),
     Rule("integration by parts, and exponential integral", (sp.exp, sp.log), _exponential_logarithm),

@@ -157,9 +157,9 @@ def _shifted_power(rate: Expr, shift: Expr, p: Expr, V: Expr) -> Expr:
 def _series(polynomial: Expr, factors: Expr, u: Expr, V: Expr) -> Expr | None:
     """Average a polynomial times a hypergeometric series: the same series with the moments of the weight appended.
 
-    That is exp(-k u^d), d = 1/2, 1 or 2, u^q (1 + k u^d)^p, d a whole number, or erf(k u). For other d of the
-    exponential such series are of no use: mpmath has no asymptotic series for 3F3 and above, and for d = a/b with
-    b > 1 the parts cancel about 0.43 (2 V/w)^d digits.
+    That is exp(-k u^d), d = 1/2, 1 or 2, u^q (1 + k u^d)^p, d a whole number, erf(k u), or sin(k u)/u. For other
+    d of the exponential such series are of no use: mpmath has no asymptotic series for 3F3 and above, and for
+    d = a/b with b > 1 the parts cancel about 0.43 (2 V/w)^d digits.
     """
     q, upper, lower, d = sp.Integer(0), [], [], sp.Integer(2)  # front u^q pFq(upper; lower; z u^d)
     if (stretched := as_stretched(factors, u)) is not None:
@@ -168,6 +168,8 @@ def _series(polynomial: Expr, factors: Expr, u: Expr, V: Expr) -> Expr | None:
     elif (binomial := as_binomial(factors, u)) is not None:
         q, b, a, d, p = binomial
         front, upper, z, known = b**p, [-p], -a / b, d.is_Integer
+    elif (rate := _rate_of_sinc(factors, u)) is not None:
+        front, lower, z, known = rate, [3 * _HALF], -(rate**2) / 4, True
     else:
         line = coefficients(factors.args[0], u) if isinstance(factors, sp.erf) else []
         known = len(line) == 2 and line[1] == 0
@@ -177,6 +179,13 @@ def _series(polynomial: Expr, factors: Expr, u: Expr, V: Expr) -> Expr | None:
         return None
     terms = sp.Poly(polynomial, u).terms()
     return front * sp.Add(*[c * _average_of_series(q + n, upper, lower, z, d, V) for (n,), c in terms])
+
+
+def _rate_of_sinc(factors: Expr, u: Expr) -> Expr | None:
+    """Return k of sin(k u)/u, or None."""
+    sine = factors * u
+    line = coefficients(sine.args[0], u) if isinstance(sine, sp.sin) else []
+    return line[0] if len(line) == 2 and line[1] == 0 else None
 
 
 def _average_of_series(q: Expr, upper: list[Expr], lower: list[Expr], z: Expr, d: Expr, V: Expr) -> Expr:

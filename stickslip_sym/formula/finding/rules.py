@@ -36,8 +36,11 @@ class Part:
     by: By | None
 
 
-def integrate_terms(mu: Expr, criterion: Criterion, *, search_too: bool) -> list[Part]:
-    """Integrate a profile mu(v) term by term; SymPy's integrator is asked last, or not at all."""
+def integrate_terms(mu: Expr, criterion: Criterion, *, search_too: bool, end: Expr | None = None) -> list[Part]:
+    """Integrate a profile mu(v) term by term; SymPy's integrator is asked last, or not at all.
+
+    - `end`: the speed at which mu ends, above all slip speeds.
+    """
     parts = []
     for rest, constant in _terms(mu).items():
         pieces, places = pieces_of(rest)
@@ -50,7 +53,7 @@ def integrate_terms(mu: Expr, criterion: Criterion, *, search_too: bool) -> list
         by: By | None = None
         whole = constant * value + (criterion.boundary(term) if criterion.is_polynomial else 0)
         if primitives and all(map(is_integral_of_binomial, value.atoms(sp.hyper))):
-            by = PieceByPiece([constant * primitive for primitive in primitives], symbols.v)
+            by = PieceByPiece([constant * primitive for primitive in primitives], symbols.v, end)
         elif not places:
             by = AverageSeries(rest, criterion, constant, whole / constant)
         parts.append(Part(definition(term, criterion), whole, rule, by))

@@ -73,11 +73,13 @@ class PieceByPiece:
     """Evaluate every integral over `variable` by a primitive of each piece of its integrand.
 
     An integrand in pieces is integrated from 0. Which pieces lie within the limits is left open: each end is taken
-    at most as far as the upper limit.
+    at most as far as the upper limit. With an `end` the upper limit is assumed to be below it, and primitives need
+    to be smooth only there.
     """
 
     primitives: Sequence[Expr]
     variable: Expr
+    end: Expr | None = None
 
     def parts(self, integrand: Expr, low: Expr, high: Expr) -> list[tuple[Expr, Expr, Expr, Expr]]:
         """Return each primitive, what its derivative must be, and from where to where."""
@@ -94,7 +96,7 @@ class PieceByPiece:
 
         def evaluate(*integral: Expr) -> Expr:
             return sp.Add(*[
-                _difference(primitive, piece, self.variable, *ends)
+                _difference(primitive, piece, self.variable, *ends, self.end)
                 for primitive, piece, *ends in self.parts(*integral)
             ])  # fmt: skip
 
@@ -128,19 +130,28 @@ def _pieces(integrand: Expr, x: Expr) -> tuple[list[Expr], list[Expr]]:
     return pieces, places
 
 
-def _difference(primitive: Expr, integrand: Expr, x: Expr, low: Expr, high: Expr) -> Expr:
+def _difference(primitive: Expr, integrand: Expr, x: Expr, low: Expr, high: Expr, end: Expr | None = None) -> Expr:
     """Return primitive(high) - primitive(low), once it is known to be the integral."""
-    rest = sp.diff(primitive, x) - integrand
+    rest, above = sp.diff(primitive, x) - integrand, sp.Dummy(x.name, positive=True)
+    if end is not None:
+        rest = _below(rest, x, end, above)
     if not (rest.is_polynomial(x) and sp.expand(rest) == 0) and normal_form(rest) != 0:
         raise ValueError(f"{primitive} is not known to be an antiderivative of {integrand}")
     if x.is_nonnegative and not (low.is_nonnegative and high.is_nonnegative):
         raise ValueError(f"{x} is nonnegative, the limits {low} and {high} are not known to be")
     # Above a place that is positive, or 0 if the primitive has a limit there, x is positive: so log(x) is smooth.
-    above = sp.Dummy(x.name, positive=True)
-    smooth_above = low.is_nonnegative and is_smooth(primitive.xreplace({x: above}), above)
-    if not (is_smooth(primitive, x) or smooth_above):
+    smooth_above = low.is_nonnegative and is_smooth(_below(primitive, x, end, above), above)
+    if not ((end is None and is_smooth(primitive, x)) or smooth_above):
         raise ValueError(f"{primitive} is not known to be smooth between {low} and {high}")
     return value_at(primitive, x, high) - value_at(primitive, x, low)
+
+
+def _below(expr: Expr, x: Expr, end: Expr | None, above: Expr) -> Expr:
+    """Write a positive symbol for x > 0, or where x is below an end the end over 1 plus the symbol."""
+    if end is None:
+        return expr.xreplace({x: above})
+    moved = expr.xreplace({x: end / (1 + above)}).replace(lambda node: node.is_Add, sp.factor)
+    return moved.replace(sp.log, lambda argument: sp.expand_log(sp.log(argument)))
 
 
 @lru_cache(maxsize=256)  # found, and proved
