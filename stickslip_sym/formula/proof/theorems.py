@@ -96,7 +96,7 @@ class PieceByPiece:
 
         def evaluate(*integral: Expr) -> Expr:
             return sp.Add(*[
-                _difference(primitive, piece, self.variable, *ends, self.end)
+                _difference(primitive, piece, self.variable, *ends, end=self.end)
                 for primitive, piece, *ends in self.parts(*integral)
             ])  # fmt: skip
 
