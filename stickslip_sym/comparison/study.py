@@ -252,6 +252,8 @@ class Study(DataResult):
             some = f"The initial condition decides whether a motion comes to {' or to '.join(motions)}"
         else:
             some = f"Motions come to {motions[0]}" if motions else "There is no attractor"
+            if self.regime.misses_an_attractor:
+                some = "What motions come to was not found"
         far = "far out grow" if motions else "all grow"
         return f"{some}{f'; motions {far} without bound' if self.regime.unbounded else ''}.{undecided}"
 

@@ -4,17 +4,24 @@ The laws are of all shapes, the operating points random, eta from 10^-4 to 10^4,
 threshold as a rule.
 """
 
+import json
 import math
+import re
 from dataclasses import asdict, replace
+from html import unescape
 from random import Random
 
 import numpy as np
+import pytest
 from commands import inside, read_json
+from languages import values_of
 from one_question import DAMPINGS, NoAnswer, asked, drawn
+from pages import browse, require_browser
 from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
+from stickslip_sym.comparison.explorer import explorer
 
 ERRORS = 10.0  # of a threshold, or of a critical value, on either side of which the fate of the slip is asked
 RESOLVED = 1e-11, 1e-12  # of a threshold and of sqrt(k m): what its error is taken for at least
@@ -142,11 +149,77 @@ def test_what_an_average_is(seed, criterion):
     average = asked(ss.slope_average, law, criterion)
     if not isinstance(average, NoAnswer):
         values["average"] = asked(average, **point)
+        code = asked(ss.export_code, average, "python")
+        if not isinstance(code, NoAnswer):
+            (value,) = values_of("python", code, [("damping", (osc.V, osc.N, *law.values.values()))], None)
+            values["code"] = NoAnswer("NaN") if math.isnan(value) else value
     values["enclosure"] = asked(ss.enclose, law, criterion, **point)
     known = {name: float(value) for name, value in values.items() if not isinstance(value, NoAnswer)}
     v = np.linspace(0, 2 * osc.V, 200)
     rise = max(abs(float(law.mu(x)) - law.onset) for x in v.tolist())
     assert max(known.values()) - min(known.values()) <= DIGITS * osc.N / osc.V * rise, known
+
+
+LINEAR = ss.laws.linear.typical(), ss.Oscillator(m=1, k=100, c=2, V=0.5, N=9.81)  # a study of little work
+
+
+@sweep("seed", [None, *SEEDS], None)
+def test_what_a_study_says(seed):
+    """Its first sentence, and the stick-slip cycle; never that nothing attracts where motions lose energy."""
+    law, osc = LINEAR if seed is None else scene(seed)[:2]
+    cycle = asked(ss.stick_slip_cycle, law, osc, time_limit=SECONDS)
+    found = ss.study(law, osc, time_limit=3)
+    text = str(found)
+    if not isinstance(cycle, NoAnswer):
+        assert cycle is None or "There is no stick-slip" not in found.headline
+        assert cycle is not None or not re.search("There is stick-slip|Stick-slip is possible", found.headline)
+    assert "no attractor" not in text.lower() or osc.c <= 0 or "without bound" in text
+
+
+PAGES = (0,)  # seeds whose pages are looked at always: one start of the browser for all
+MORE_PAGES = range(4, 84, 8)
+
+
+@pytest.mark.parametrize("seeds", [PAGES, pytest.param(MORE_PAGES, marks=pytest.mark.thorough)])
+def test_what_the_page_with_sliders_says(seeds, tmp_path):
+    """The threshold, computed in the browser."""
+    require_browser(tmp_path)
+    scripts, values = [], []
+    for seed in seeds:
+        law, osc, found = scene(seed)
+        page = asked(explorer, law, osc, time_limit=SECONDS)
+        if isinstance(found, NoAnswer) or isinstance(page, NoAnswer):
+            continue
+        script = re.search(r"<script>(.*)</script>", page, re.DOTALL)[1].split("/* The page's own part")[0]
+        point = json.dumps({name: getattr(osc, name) for name in "VNmk"})
+        own = json.dumps([float(value) for value in law.values.values()])
+        scripts.append(
+            f"<script>(function () {{ {script}; said.push(threshold({point}, {own}, 0)); }})();</script>"
+        )
+        values.append(found)
+    last = "<script>document.body.textContent = 'SAID' + JSON.stringify(said) + 'END';</script>"
+    page = ["<body><script>const said = [];</script>", *scripts, last, "</body>"]
+    (tmp_path / "all.html").write_text("".join(page), encoding="utf-8")
+    shown = unescape(browse((tmp_path / "all.html").as_uri(), tmp_path).stdout)
+    said = json.loads(re.search("SAID(.*)END</body>", shown, re.DOTALL)[1])
+    assert len(said) == len(values) > 0
+    for answer, found in zip(said, values, strict=True):
+        off = found.error + 1e-6 * abs(found.value) + 1e-8 * found.points.slope_scale[0]
+        assert answer is None or abs(answer["value"] - found.value) <= off
+
+
+@sweep("seed", range(0, 400, 8), 16)
+def test_a_map_by_the_command_line(seed):
+    """The same cells in Python and in JSON."""
+    law, osc, _ = scene(seed)
+    given = [word for name in "Nmk" for word in (f"-{name}", repr(getattr(osc, name)))]
+    given += [word for name, value in law.values.items() for word in ("-p", f"{name}={float(value)!r}")]
+    axes = ["--x", f"V={osc.V!r}:{osc.V!r}:1", "--y", f"c={0.5 * osc.c!r}:{1.5 * osc.c!r}:3"]
+    done = inside("map", law.name, *given, *axes, "--json")
+    cells = read_json(done.stdout)["map"]
+    point = {name: getattr(osc, name) for name in "Nmk"}
+    found = ss.motion_map(law, x=("V", [osc.V]), y=("c", np.linspace(0.5 * osc.c, 1.5 * osc.c, 3)), **point)
+    assert cells["motion"] == [[motion.value for motion in row] for row in found.motion.tolist()]
 
 
 def test_python_the_command_and_json():

@@ -336,12 +336,12 @@ class Regime(drawing.Drawn, DataResult):
             if mark.kind == "open":
                 low, high = (osc.onset(law) + osc.length * q for q in (mark.low, mark.high))
                 words.append(f"whether limit cycles overtake the belt from x = {low:.6g} to {high:.6g} m on")
-        if self._misses_an_attractor:
+        if self.misses_an_attractor:
             words.append("motions stay within bounds and lose energy, but what they come to was not found")
         return tuple(words)
 
     @property
-    def _misses_an_attractor(self) -> bool:
+    def misses_an_attractor(self) -> bool:
         """Whether none was found though there is one: with damping, and motions far out that do not grow."""
         return not self.attractors and self.oscillator.c > 0 and not self.unbounded
 
@@ -427,7 +427,7 @@ class Regime(drawing.Drawn, DataResult):
     def _notes(self) -> list[str]:
         """What is said besides the attractors."""
         words = list[str]()
-        if not (self.attractors or self._misses_an_attractor):
+        if not (self.attractors or self.misses_an_attractor):
             words.append("no attractor")
         if at_rest := note_at_rest(self.law.bound, self.oscillator.N):
             words.append(at_rest)
