@@ -20,7 +20,7 @@ _MOST = 20_000  # bits of working precision for a value in mpmath
 _EIN_TERMS = 21  # of a series at arguments up to 1, the next term of which is below the rounding of a double
 _NEAR = 1.5  # largest argument of the power series of a removable singularity
 _CIRCLE, _BOUND = 3, 8  # a radius up to which a removable function is analytic, and a bound on its size there
-_DOUBLE = 53  # bits of a double
+_DOUBLE = np.finfo(np.float64).nmant + 1  # bits of a double
 
 
 class Special(sp.Function):  # type: ignore[misc]  # SymPy is untyped

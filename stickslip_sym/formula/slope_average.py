@@ -23,7 +23,7 @@ from stickslip_sym.core.remedies import Argument, Call
 from stickslip_sym.criteria.criterion import Criterion, CriterionName, find
 from stickslip_sym.criteria.enclosure import enclose
 from stickslip_sym.formula.code import writer
-from stickslip_sym.formula.evaluation.term_function import TermFunction, count_of
+from stickslip_sym.formula.evaluation.term_function import CANCELLED, TermFunction, count_of
 from stickslip_sym.formula.evaluation.term_sum import TermSum
 from stickslip_sym.formula.evaluation.values import MeanSlope
 from stickslip_sym.formula.exact import exact_value
@@ -38,7 +38,6 @@ OnInvalid = Literal["raise", "nan"]
 _BLOCK = 16000  # elements: the arrays of a block stay in the cache, below 128 kB, from where each is a system call
 _DIGITS = 17  # of a value by balls
 _LARGEST = float(np.finfo(np.float64).max)
-_CANCELLED = 4.0  # the sum of the terms' sizes over the size of their sum, from where the slope is looked at
 _ZERO = Fraction(1, 2**60)  # of the mean size of the slope: an enclosure around 0 that is narrower is that of 0
 _ALLOWED = 8.0  # the same over the mean size of the slope, the unit of errors, from where balls are asked
 
@@ -238,7 +237,7 @@ class SlopeAverage(TermSum, DataResult):
         if not count:
             floats = [float(part) for part in parts]
             total, sizes = sum(floats, 0.0), sum(map(abs, floats), 0.0)
-            kept = len(parts) < 2 or sizes <= _CANCELLED * abs(total) or sizes <= self._unit(values)[0]
+            kept = len(parts) < 2 or sizes <= CANCELLED * abs(total) or sizes <= self._unit(values)[0]
             return total if kept else math.nan
         result = np.array(np.broadcast_to(parts[0] if parts else 0.0, count))
         if len(parts) < 2:
@@ -247,7 +246,7 @@ class SlopeAverage(TermSum, DataResult):
         for part in parts[1:]:
             result += part
             spread += np.abs(part)
-        here = np.flatnonzero(spread > _CANCELLED * np.abs(result))
+        here = np.flatnonzero(spread > CANCELLED * np.abs(result))
         if here.size:
             some = [value if isinstance(value, float) else value[here] for value in values]
             result[here[~(spread[here] <= self._unit(some))]] = np.nan

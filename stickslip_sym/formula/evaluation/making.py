@@ -55,7 +55,7 @@ from stickslip_sym.numerics.known import Unknown, attempted
 from stickslip_sym.numerics.subdivide import HALVE, Accept, Budget, Decision, Interval, Limits, middle, subdivide
 
 # What each is worth, in seconds, panels and digits, `tests/benchmarks/measure_branches.py` prints.
-_EPSILON = 2.0**-52
+_EPSILON = float(np.finfo(np.float64).eps)
 _NEGLIGIBLE = 2.0**-57  # of a value: what a polynomial may leave out
 _CONDITION = {-1: 1.5, 1: 4.0}
 """Of a series at rest, and far out: the sum of its terms' sizes over the size of the sum, before balls decide."""

@@ -26,7 +26,8 @@ from stickslip_sym.model.terms import Term
 from stickslip_sym.numerics.known import Unknown
 
 _BITS = 900.0  # binary exponents that no product may pass, lest something overflows on the way
-_CANCELLED = 4.0  # the sum of the sizes in a factor over the size of their sum, from where balls are asked
+CANCELLED = 4.0
+"""The sum of the sizes of terms over the size of their sum, from where that may have lost digits."""
 _WORTH_BRANCHES = 8  # values with the same shapes, from where their branches are made
 
 
@@ -57,8 +58,8 @@ def _function_of_base(expr: Expr, arguments: Sequence[Expr]) -> Callable[[Sequen
     def base(values: Sequence[Numbers]) -> Numbers:
         value, spread = function(*values)
         if isinstance(value, float):
-            return float(value) if abs(value) * _CANCELLED >= spread else math.nan
-        return np.where(np.abs(value) * _CANCELLED >= spread, value, np.nan)
+            return float(value) if abs(value) * CANCELLED >= spread else math.nan
+        return np.where(np.abs(value) * CANCELLED >= spread, value, np.nan)
 
     return base
 

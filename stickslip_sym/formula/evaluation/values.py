@@ -13,7 +13,6 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations, pairwise
-from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -30,6 +29,7 @@ from stickslip_sym.core.numbers import binary_fraction
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.expression.pieces import branch_from, jumps, kinks_at
+from stickslip_sym.model.expression.transitions import HIGHEST_DEGREE, complex_zeros
 from stickslip_sym.model.taylor_model import balls_from_rest, in_floats
 from stickslip_sym.numerics.chebyshev import gauss_grid
 from stickslip_sym.numerics.known import Unknown, required
@@ -71,7 +71,6 @@ _DEEPEST = -40  # octaves below that of the lowest kink, or below 1, where the i
 _LARGEST_ORDER = 16
 _DEEP = BITS - _DEEPEST * _LARGEST_ORDER  # bits of working precision there, for differences between such powers
 _P, _Q = sp.symbols("p q", cls=sp.Dummy)
-_HIGHEST = 25  # coefficients of a polynomial whose roots are computed exactly
 _LONGEST_LOG = 600.0  # of a scale: no speed in floats is further from 1 by its square
 _BEFORE_THE_END = 2.0**-9  # of the speed at which a profile ends: nearer to it there are no values
 
@@ -524,11 +523,10 @@ def _positive_zeros(expr: Expr, point: Mapping[Expr, Expr]) -> list[float] | Non
     if not bound.is_polynomial(symbols.v):
         return None
     coefficients = sp.Poly(bound, symbols.v).all_coeffs()[::-1]
-    if len(coefficients) > _HIGHEST or not all(c.is_Rational for c in coefficients):
+    if len(coefficients) > HIGHEST_DEGREE + 1 or not all(c.is_Rational for c in coefficients):
         return None
-    polynomial = fmpq_poly(list(map(rational, coefficients)))
-    pairs: Any = polynomial.complex_roots() if polynomial.degree() > 0 else ()
-    return [float(zero.real) for zero, _ in pairs if zero.imag == 0 and zero.real > 0]
+    zeros = complex_zeros(fmpq_poly(list(map(rational, coefficients))))
+    return [zero.real for zero in zeros if zero.imag == 0 and zero.real > 0]
 
 
 def scales_of(profile: Expr, point: Mapping[Expr, Expr]) -> tuple[float, float]:

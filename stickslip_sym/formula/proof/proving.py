@@ -8,6 +8,7 @@ exact values at which balls around its sides, integrals and all, have no number 
 it open, no more than ESTIMATED is claimed.
 """
 
+import math
 import random
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -36,7 +37,8 @@ _DIGITS = 22  # of the sides' size, to which they are the same, errors included,
 _NOTHING = arb("1e-60")  # what both sides may differ by where they are 0
 _STRICT = (sp.StrictLessThan, sp.StrictGreaterThan)
 _BINDING = (sp.Integral, sp.Sum, sp.Product, sp.Derivative, sp.Subs, sp.Limit, sp.Lambda)
-_ENOUGH, _MOST_BITS = 83, 784  # bits of a value, 25 digits, that are enough; of working precision
+_ENOUGH = math.ceil((_DIGITS + 3) * math.log2(10))  # bits of a value that are enough
+_MOST_BITS = 784  # of working precision
 _MOST_VALUES = 3000  # of an integrand, before its integral counts as unknown
 
 

@@ -21,7 +21,8 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.balls import number_at, rational
 from stickslip_sym.core.functions import fold, row
 
-_HIGHEST = 24  # degree of a polynomial whose zeros are computed: higher ones take milliseconds
+HIGHEST_DEGREE = 24
+"""Of a polynomial whose zeros are computed: higher ones take milliseconds."""
 _FARTHEST = 700.0  # logarithm of a speed that a float holds
 _DIGITS = 60  # of a constant that is no rational number
 
@@ -60,7 +61,7 @@ def transitions(expr: Expr, point: Mapping[Expr, Expr]) -> list[Transition]:
                 return _Argument(reduce(add if node.is_Add else mul, polynomials), True in kinds)
             if node.is_Pow and len(parts) == 2 and node.exp.is_Integer:
                 power = int(node.exp)
-                if 0 < power * max(polynomials[0].degree(), 1) <= _HIGHEST:
+                if 0 < power * max(polynomials[0].degree(), 1) <= HIGHEST_DEGREE:
                     return _Argument(polynomials[0] ** power, True in kinds)
         if not node.has(symbols.v):
             constant = _constant(node, point)
@@ -117,15 +118,15 @@ def _in_speed(changes: Iterator[Transition], of_logarithm: bool) -> Iterator[Tra
             yield Transition(math.exp(place), math.exp(place) * width)
 
 
-def _zeros(polynomial: fmpq_poly) -> list[complex]:
+def complex_zeros(polynomial: fmpq_poly) -> list[complex]:
     """Return the complex zeros of a polynomial, if it is not of too high a degree."""
-    pairs: Any = polynomial.complex_roots() if 0 < polynomial.degree() <= _HIGHEST else ()
+    pairs: Any = polynomial.complex_roots() if 0 < polynomial.degree() <= HIGHEST_DEGREE else ()
     return [complex(float(zero.real), float(zero.imag)) for zero, _ in pairs]
 
 
 def _of_base(base: fmpq_poly) -> Iterator[Transition]:
     """Yield the changes of a power or a logarithm."""
-    yield from (Transition(zero.real, abs(zero.imag)) for zero in _zeros(base))
+    yield from (Transition(zero.real, abs(zero.imag)) for zero in complex_zeros(base))
 
 
 def _of_argument(argument: fmpq_poly) -> Iterator[Transition]:
@@ -137,6 +138,6 @@ def _of_argument(argument: fmpq_poly) -> Iterator[Transition]:
     rows = [
         np.array([float(c) for c in of.coeffs()[::-1]]) / math.factorial(k) for k, of in enumerate(derivatives, 1)
     ]
-    for z in _zeros(argument) + _zeros(slope):
+    for z in complex_zeros(argument) + complex_zeros(slope):
         rates = [float(abs(np.polyval(row, z))) ** (1 / k) for k, row in enumerate(rows, 1)]
         yield Transition(z.real, abs(z.imag) + 1 / max(rates))
