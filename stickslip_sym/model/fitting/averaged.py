@@ -17,7 +17,7 @@ _NODES = (np.arange(400) + 0.5) / 400  # probabilities at which the narrower of 
 _SHARP = 1e-300  # a standard error in place of 0
 _BEYOND = 100  # times less likely than the ends of an interval: there it is bracketed
 _RESOLVED = 1e-9  # of the bracket
-_BUILDS_UP = 0.04  # probability that friction builds up from 0 below the lowest measured speed, of each law
+_BUILDS_UP = 0.03  # probability that friction builds up from 0 below the lowest measured speed, of each law
 _SHARES = (np.arange(8) + 0.5) / 8  # of the part that hangs on it, which any share of may be missing
 
 
@@ -48,7 +48,7 @@ class Averaged(TableResult):
     """A quantity by each of several laws, and its average by their weights.
 
     Each law's value has a Student distribution, whose scale comes from one noise for all laws. With a probability
-    of 4 % friction builds up from 0 below the lowest measured speed, and the value is less by a share, any from 0
+    of 3 % friction builds up from 0 below the lowest measured speed, and the value is less by a share, any from 0
     to 1, of what hangs on that.
 
     Attributes
