@@ -96,8 +96,8 @@ class PieceByPiece:
 
         def evaluate(*integral: Expr) -> Expr:
             return sp.Add(*[
-                _difference(primitive, piece, self.variable, *ends, end=self.end)
-                for primitive, piece, *ends in self.parts(*integral)
+                _difference(primitive, piece, self.variable, low, high, self.end)
+                for primitive, piece, low, high in self.parts(*integral)
             ])  # fmt: skip
 
         return _in_integrals_over(self.variable, expr, evaluate)
