@@ -2,21 +2,41 @@
 
 The friction law mu(v) of a contact decides how much viscous damping c the oscillator
 m x'' + c x' + k x = N mu(V - x') needs so that it does not stick and slip. The public names stand in the stub
-beside this file, and are loaded when first used: importing the package is cheap.
+beside this file, and are loaded when first used: importing the package is cheap. So cheap that the command can
+answer to Ctrl-C at once: the stub is read when a name is asked for.
 """
 
-import sys
-from typing import Any
+from __future__ import annotations
 
-import lazy_loader
+import sys
 
 from stickslip_sym.core.version import __version__ as __version__
 
-_public, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+TYPE_CHECKING = False  # as in typing, the import of which takes longer than all else here
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
+_stub = list["tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]"]()
+"""What gives a public name, what lists all, and those; once it was read."""
+
+
+def _read() -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
+    if not _stub:
+        import lazy_loader
+
+        _stub.append(lazy_loader.attach_stub(__name__, __file__))
+    return _stub[0]
+
+
+def __dir__() -> list[str]:
+    return _read()[1]()
 
 
 def __getattr__(name: str) -> Any:
     """Load a public name; for a class of results say where it is."""
+    if name == "__all__":
+        return _read()[2]
     try:
         return _loaded(name)
     except AttributeError:
@@ -32,8 +52,8 @@ def __getattr__(name: str) -> Any:
 def _loaded(name: str) -> Any:
     """Load a public name; what its modules write in SymPy is evaluated, also within sympy.evaluate(False)."""
     if "sympy" not in sys.modules:
-        return _public(name)
+        return _read()[0](name)
     from sympy import evaluate
 
     with evaluate(True):
-        return _public(name)
+        return _read()[0](name)

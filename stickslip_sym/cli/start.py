@@ -1,10 +1,20 @@
 """Where the command begins: it imports nothing heavy, so that Ctrl-C in the first second ends it in a line."""
 
-import os
-import signal
+from __future__ import annotations
+
 import sys
-from types import FrameType
-from typing import NoReturn
+
+try:
+    import os
+    import signal
+except KeyboardInterrupt:
+    print("interrupted", file=sys.stderr)
+    sys.exit(130)  # as below
+
+TYPE_CHECKING = False  # as in typing, which is no light import
+if TYPE_CHECKING:
+    from types import FrameType
+    from typing import NoReturn
 
 _SIGNALLED = 128
 """What shells add to the number of a signal, for the exit code of what it ended."""

@@ -1,6 +1,7 @@
 """The command as a process: interrupts, pipes, full disks, colours, completion."""
 
 import io
+import re
 import signal
 import sys
 import time
@@ -145,12 +146,15 @@ def test_a_closed_stream_is_no_traceback(closed, tmp_path):
     "seconds", [0.5, *(pytest.param(early, marks=pytest.mark.thorough) for early in (0.1, 0.2, 0.3, 0.8))]
 )
 def test_ctrl_c_while_the_command_begins_is_a_line(seconds, tmp_path):
-    """Not before: until Python has begun, the interrupt is Python's own."""
+    """Not before: until Python has begun, and for the milliseconds to the handler, the interrupt is Python's own."""
     with started("derive", "exponential", cwd=tmp_path) as process:
         time.sleep(seconds)
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=60)
-    assert "Traceback" not in err or "site" in err
+    assert "Traceback" not in err or set(re.findall(r"stickslip_sym/(\S+)\"", err)) <= {
+        "__init__.py",
+        "cli/start.py",
+    }
     assert (process.returncode, out) == (130, "") or process.returncode in (0, -signal.SIGINT)
 
 
