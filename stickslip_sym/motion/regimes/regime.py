@@ -37,6 +37,7 @@ from stickslip_sym.motion.regimes.separatrix import Separatrix, interpolated
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle, first_minimum, stick_slip_cycle
 from stickslip_sym.motion.simulation.simulate import simulate
 from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.numerics.known import Unknown
 from stickslip_sym.output import drawing, markup
 from stickslip_sym.output.data import DataResult
 
@@ -111,13 +112,27 @@ class Regime(drawing.Drawn, DataResult):
         return Dimensionless.of(self.law.bound, self.oscillator)
 
     @cached_property
-    def height(self) -> float:
-        """The first minimum of the slip speed, over V, after P: 0 where integration cannot tell its sign.
+    def height(self) -> float | Unknown:
+        """The first minimum of the slip speed, over V, after P, where integration can tell its sign.
 
-        That is up to the tolerance, and where a tolerance ten times wider changes it by half of itself or more.
+        That is beyond the tolerance, and where a tolerance ten times wider changes it by less than half of itself.
         """
         height, wider = (first_minimum(self.system, 0.0, 0.0, rtol) for rtol in (self.rtol, 10 * self.rtol))
-        return height if abs(height) > max(self.rtol, 2 * abs(wider - height)) else 0.0
+        if abs(height) > max(self.rtol, 2 * abs(wider - height)):
+            return height
+        return Unknown("the slip from P grazes the belt's speed within the error of the integration")
+
+    @property
+    def _peak(self) -> float | None:
+        """The peak of velocity, over V, after a slip from P that stays slower than the belt; else None."""
+        height = self.height
+        return None if isinstance(height, Unknown) or height <= 0 else 1 - height
+
+    @property
+    def _comes_back(self) -> bool:
+        """Whether the slip from P is known to come back to the belt's speed."""
+        height = self.height
+        return not isinstance(height, Unknown) and height < 0
 
     # -- rest and periodic motions -----------------------------------------------------------------
 
@@ -168,8 +183,7 @@ class Regime(drawing.Drawn, DataResult):
         else can be integrated.
         """
         system = self.system
-        turn = system.turn(0.0)
-        if 1 - (first_minimum(system, turn, 0.0, self.rtol) if turn else self.height) <= NEAREST:
+        if 1 - first_minimum(system, system.turn(0.0), 0.0, self.rtol) <= NEAREST:
             return -1
         nearest = system.turn(1 - NEAREST), 1 - NEAREST
         return int(system.decay(1.0) <= 0 and first_minimum(system, *nearest, self.rtol) <= 0)
@@ -177,7 +191,7 @@ class Regime(drawing.Drawn, DataResult):
     @cached_property
     def stick_slip(self) -> StickSlipCycle | None:
         """The stick-slip cycle; None if the slip from P does not come back to stick."""
-        return stick_slip_cycle(self.law, self.oscillator, rtol=self.rtol) if self.height < 0 else None
+        return stick_slip_cycle(self.law, self.oscillator, rtol=self.rtol) if self._comes_back else None
 
     @cached_property
     def outside(self) -> Rounds:
@@ -243,15 +257,15 @@ class Regime(drawing.Drawn, DataResult):
     @cached_property
     def from_onset(self) -> Motion:
         """What the slip from P leads to, and with it every motion that sticks."""
-        if self.height > 0:
-            motion: Motion = self.of_peaks(np.array([1 - self.height]))[0]
+        if self._peak is not None:
+            motion: Motion = self.of_peaks(np.array([self._peak]))[0]
             return motion
         return self.returned
 
     @cached_property
     def returned(self) -> Motion:
         """What an orbit that grows up to the belt's speed leads to: no orbits cross, so where P's goes."""
-        if self.height >= 0:
+        if not self._comes_back:
             return Motion.UNDECIDED
         if self.stick_slip is not None:
             return Motion.STICK_SLIP
@@ -321,8 +335,8 @@ class Regime(drawing.Drawn, DataResult):
         """What lies within the tolerance of a boundary, in words; empty as a rule."""
         law, osc, rest, growth = self.law, self.oscillator, self.rest, self.growth
         words = []
-        if self.height == 0:
-            words.append("the slip from P grazes the belt's speed within the error of the integration")
+        if isinstance(self.height, Unknown):
+            words.append(str(self.height))
         if 0 in growth:
             words.append("slip orbits neither grow nor shrink")
         elif abs(rest.rate) * 2 * osc.m <= ROUNDING * (abs(osc.c) + osc.N * abs(law.slope(osc.V))):
@@ -353,7 +367,7 @@ class Regime(drawing.Drawn, DataResult):
         so that motions may slide at a constant slip speed.
         """
         returns = self.stick_slip is not None
-        if self.undecided or self.unbounded or any(self.system.rise.jumps) or not (self.height > 0 or returns):
+        if self.undecided or self.unbounded or any(self.system.rise.jumps) or (self._peak is None and not returns):
             return None
         if self.outside.marks:
             return None

@@ -17,14 +17,14 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import Pieces
 from stickslip_sym.motion.kernel.data import ADDED, PRECISE, TIGHT, End, Wedge
-from stickslip_sym.motion.orbits.needed import PARTED, STRONG, gap_at, needed_ratio
+from stickslip_sym.motion.orbits.needed import PARTED, ROUNDING, STRONG, gap_at, needed_ratio
 from stickslip_sym.motion.slip import Dimensionless
 
 _LOOSEST = 1e-9  # relative error that is sought in any case: it costs about twice as much as 1e-3
 _LOOSEST_STRONG = 1e-8  # the same where friction is strong: 1e-9 would often take a second search
 _BEYOND = 1.5  # times the highest slip speed, up to which a derivative of the law is tabulated: steps try further
 _FAR = 10.0  # errors from a threshold at which the fate of the slip from P is asked for
-_CLEAR = 10.0  # times the errors of a slip as a whole, from where its fate is certain
+_CLEAR = 3.0  # times the errors of a slip as a whole, from where its fate is certain
 _OF_SPRING = 0.1  # friction may be far weaker than the spring, whose share of these errors is that
 _MOST_STEPS = 2000  # of such a slip: the search for a threshold takes about as many
 _SAME = 1e-8  # relative distance of two slip speeds that are one, as the highest and one at which mu jumps
@@ -113,6 +113,11 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
         "V": Wedge(-push / V, 0.0, -eta / V, _stretched(rise.pieces), [-level / V / V for level in levels]),
         "N": Wedge(excess * friction, 0.0, -friction, rise.pieces, still),
     }
+    if 0.0 < abs(osc.N * derivative(sources["N"])) < ROUNDING:
+        raise NotConverged(
+            f"how the threshold changes is not known at eta = {eta:g} and V = {V:g} m/s: friction is so weak that "
+            "its changes are lost in rounding; try an average of the slope"
+        )
     for name, parameter in law.parameters.items():
         symbol, partial = parameter.symbol, law.partial(name).bound.table_up_to(_BEYOND * highest * V)
         onset = bound.number(rate(law.static_expr, symbol)) - partial.onset

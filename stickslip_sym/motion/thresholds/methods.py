@@ -416,7 +416,9 @@ def _by_simulation(points: OperatingPoints, rtol: float) -> Computed:
     computed = _each(
         points, lambda row: grazing_damping(points.bound, points.oscillator(row), rtol=rtol, fast=fast)
     )
-    return replace(computed, relative_error=points.relative(computed.relative_error, computed.value))
+    relative = points.relative(computed.relative_error, computed.value)
+    relative[np.isnan(computed.value)] = np.inf  # of a row that was refused
+    return replace(computed, relative_error=relative)
 
 
 def _each(points: OperatingPoints, compute: Callable[[int], tuple[float, float]]) -> Computed:

@@ -8,6 +8,7 @@ from operating_points import SMOOTH, smooth_points
 from sweeps import sweep
 
 import stickslip_sym as ss
+from stickslip_sym.motion.thresholds.grazing import grazing_sensitivity
 from stickslip_sym.motion.thresholds.methods import Computed, Method
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
@@ -165,3 +166,13 @@ def test_a_method_of_ones_own():
     found = ss.pure_slip_damping(law, **POINT, method=own)
     assert repr(found).startswith("Threshold: 19.62 +/- 0.17 kg/s")
     assert found.sensitivity == ss.pure_slip_damping(law, **POINT, method="simulation").sensitivity
+
+
+def test_changes_that_are_lost_in_rounding_are_not_stated():
+    """Of `rational` on a belt of 1e12 m/s all friction acts within 1e-12 of a swing."""
+    law, osc = ss.laws.rational.typical(), ss.Oscillator(V=1e12, N=1, m=1, k=1, c=0)
+    with pytest.raises(ss.NotConverged, match="lost in rounding"):
+        grazing_sensitivity(law, osc)
+    weak = grazing_sensitivity(law, ss.Oscillator(V=5.0, N=1e-6, m=1, k=1, c=0))
+    by_slope = ss.pure_slip_damping(law, V=5.0, N=1e-6, m=1, k=1, method="second_order").sensitivity
+    assert weak["N"] == pytest.approx(by_slope["N"], rel=1e-5)
