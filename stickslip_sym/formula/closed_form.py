@@ -122,7 +122,11 @@ class ClosedForm(SlopeAverage):
     @cached_property
     def _tidied(self) -> list[Expr]:
         """The share of each term as a person would print it."""
-        return [tidy(share, self.law.expr, V) for share in self._shares]
+        tidied = []
+        for share in self._shares:
+            check_time()
+            tidied.append(tidy(share, self.law.expr, V))
+        return tidied
 
     @cached_property
     def _sum(self) -> Expr:
@@ -132,9 +136,11 @@ class ClosedForm(SlopeAverage):
     @cached_property
     def _shares(self) -> list[Expr]:
         """N amplitude_i/scale_i F_i(V/scale_i) of each term."""
-        return [
-            N * term.amplitude / term.scale * term.in_parameters(average.find()) for term, average in self.averages
-        ]
+        shares = []
+        for term, average in self.averages:
+            check_time()
+            shares.append(N * term.amplitude / term.scale * term.in_parameters(average.find()))
+        return shares
 
     @cached_property
     def derivation(self) -> Derivation:

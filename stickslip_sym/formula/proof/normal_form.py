@@ -48,6 +48,7 @@ def normal_form(expr: Expr) -> Expr:
     )
     expr = expr.replace(lambda node: node.is_Pow and node.base.is_Add and not node.exp.is_number, _of_primitive)
     expr = _contiguous(expr)
+    check_time()
     numerator = _numerator(expr.rewrite(HyperbolicFunction, sp.exp))
     if numerator != 0 and numerator.has(sp.sin, sp.cos):
         return _numerator(expr.rewrite([HyperbolicFunction, sp.sin, sp.cos], sp.exp))
@@ -56,7 +57,10 @@ def normal_form(expr: Expr) -> Expr:
 
 def _numerator(expr: Expr) -> Expr:
     numerator, _ = sp.fraction(sp.together(_exponentials_as_symbols(expr)))
-    return sp.expand(sp.powsimp(sp.expand(numerator)))
+    check_time()
+    expanded = sp.expand(numerator)
+    check_time()
+    return sp.expand(sp.powsimp(expanded))
 
 
 def is_integral_of_binomial(node: Expr) -> bool:
