@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import real, require_type
-from stickslip_sym.core.remedies import Name
+from stickslip_sym.core.remedies import Argument, Name
 from stickslip_sym.core.symbols import require_sign
 from stickslip_sym.core.units import has_error, in_si
 from stickslip_sym.model.law import FrictionLaw
@@ -46,9 +46,9 @@ class Oscillator:
             if has_error(in_si(given, field.name) if isinstance(given, str) else str(given)):
                 raise InputError(
                     Name(field.name),
-                    f" = {given} has a standard error, and an Oscillator holds numbers alone; give that beside "
-                    f'it, as errors={{"{field.name}": "{given}"}} of study or margins, or give V, N, m and k with '
-                    "theirs to pure_slip_damping",
+                    f" = {given} has a standard error, and an Oscillator holds numbers alone; give that beside it, as ",
+                    Argument("errors", {field.name: str(given)}),
+                    " of study or margins, or give V, N, m and k with theirs to pure_slip_damping",
                 )
             value = real(field.name, given)
             object.__setattr__(self, field.name, value)
