@@ -46,7 +46,7 @@ class Oscillator:
             if has_error(in_si(given, field.name) if isinstance(given, str) else str(given)):
                 raise InputError(
                     Name(field.name),
-                    f" = {given} has a standard error, and an Oscillator holds numbers alone; give that beside it, as ",
+                    f" = {given} has a standard error, and an Oscillator holds numbers alone; give it beside, as ",
                     Argument("errors", {field.name: str(given)}),
                     " of study or margins, or give V, N, m and k with theirs to pure_slip_damping",
                 )
