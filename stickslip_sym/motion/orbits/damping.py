@@ -178,6 +178,9 @@ class NeededDamping:
     @cached_property
     def _graze(self) -> Turn | None:
         """d(1), where polynomials do not end there: d changes to it within a layer at rest too thin for them."""
+        table = self.system.table
+        if len(table.pieces) == 1 or table.pieces[1, 0] >= _THIN * self.system.V:
+            return None
         pieces = self.resolved.pieces
         if not pieces or pieces[-1].high < len(self.edges) - 1:  # it is among those that are open
             return None
