@@ -17,8 +17,10 @@ from stickslip_sym.certificates.coq.words import (
     functions_of,
     in_words,
     is_monomial,
+    require_independent,
     roots_of,
     square_free,
+    two_factors,
 )
 from stickslip_sym.certificates.python_printer import WIDTH
 from stickslip_sym.core import symbols
@@ -142,10 +144,15 @@ class Script:
         one text; `field` does the rest. `moves` come before all that.
         """
         written = [generators.of(expr) for expr in exprs]
-        facts, using = self.facts(roots_of(*written))
+        require_independent(roots_of(*written))
+        radicands = [square_free(root.args[0])[0] for root in roots_of(*exprs)]
+        parts = [part for radicand in radicands if is_monomial(radicand) for part in radicand.args]
+        roots = [*roots_of(*written), *map(sp.Function("sqrt"), sorted(parts, key=str))]
+        facts, using = self.facts(list(dict.fromkeys(roots)))
         tactics = [*moves, *self.rewritten(generators, *exprs)]
         if values:
             tactics += self.valued(using, *written)
+        facts = facts.replace(". ", "; ")  # one sentence, which all cases of an equation share
         return f"{facts}{'; '.join([*tactics, *self.unified(using, *written), solved(using)])}."
 
     def facts(self, roots: Sequence[Expr]) -> tuple[str, str]:
@@ -164,6 +171,12 @@ class Script:
         yield from self.one_roots(made)
         if any(is_monomial(radicand) for radicand, _ in made):
             yield ROOT_OF_PRODUCT
+        for radicand in sorted({radicand for radicand, _ in made if not is_monomial(radicand)}, key=str):
+            if parts := [f"sqrt {self.whole(part)}" for part in two_factors(radicand)]:
+                yield (
+                    f"replace (sqrt {self.whole(radicand)}) with ({' * '.join(parts)}) "
+                    "by (rewrite <- sqrt_mult by (apply Rlt_le; positive); f_equal; ring)"
+                )
         for node in sorted(generators.exponentials(exprs), key=sp.default_sort_key):
             written = generators.of(node)
             if written != sp.Function("exp")(node.args[0]):
@@ -205,7 +218,10 @@ class Script:
     def unified(self, using: str, *exprs: Expr) -> Iterator[str]:
         """Yield tactics that give equal arguments of a function one text; `using` are squares of roots."""
         if has_powers(*exprs):
+            powers = [head for head in self.heads(*exprs) if head.startswith("(power ")]
+            yield from (f"same {head} by {_equal(using)}" for head in powers)
             yield "split_powers"
+            yield "rewrite ?ln_1, ?Rmult_0_r, ?exp_0"
         for head in self.heads(*exprs):
             yield f"same {head} by {_equal(using)}"
 

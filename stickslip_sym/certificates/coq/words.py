@@ -6,6 +6,7 @@ without squares.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import combinations
 from math import gcd
 
 import sympy as sp
@@ -160,7 +161,7 @@ def _by_roots(expr: Expr) -> Expr:
 
     def root(inside: Expr) -> Expr:
         radicand, divisor = square_free(inside)
-        parts = sp.Mul.make_args(radicand) if is_monomial(radicand) else [radicand]
+        parts = sp.Mul.make_args(radicand) if is_monomial(radicand) else two_factors(radicand) or [radicand]
         return sp.Mul(*[call("sqrt", part) for part in parts]) / divisor
 
     return expr.replace(sp.Function("sqrt"), root)
@@ -169,6 +170,14 @@ def _by_roots(expr: Expr) -> Expr:
 def is_monomial(radicand: Expr) -> bool:
     """Tell whether a radicand is a product of letters and numbers, whose root is that of their roots."""
     return bool(radicand.is_Mul and all(part.is_Atom and part.is_nonnegative for part in radicand.args))
+
+
+def two_factors(radicand: Expr) -> list[Expr]:
+    """Return the two positive factors of a radicand, whose root is the product of theirs, if it has two."""
+    factors = sp.Mul.make_args(sp.factor(radicand))
+    if len(factors) != 2 or not all(factor.is_positive for factor in factors):
+        return []
+    return [sp.expand(factor) for factor in factors]
 
 
 def _common(first: Expr, second: Expr) -> Expr:
@@ -312,6 +321,18 @@ def require_regular(speed: Expr, *exprs: Expr, at_rest: bool) -> None:
             raise Unsupported(f"a script in Coq cannot tell that {_shown(inside)}, in {_shown(node)}, is positive")
         if name == "sqrt" and not (_is_positive(inside, speed, at_rest) or inside.is_nonnegative):
             raise Unsupported(f"a script in Coq cannot tell that {_shown(inside)} is not negative")
+
+
+def require_independent(roots: Sequence[Expr]) -> None:
+    """Refuse roots of which one is the product of two others, which `field` takes for letters of their own."""
+    radicands = [root.args[0] for root in roots]
+    for first, second in combinations(radicands, 2):
+        product = square_free(first * second)[0]
+        if product in radicands and product not in (first, second):
+            raise Unsupported(
+                f"a script in Coq has no root of {_shown(product)} beside those of {_shown(first)} and "
+                f"{_shown(second)}, whose product it is"
+            )
 
 
 def _is_positive(expr: Expr, speed: Expr, at_rest: bool) -> bool:
