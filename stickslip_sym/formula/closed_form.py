@@ -151,7 +151,6 @@ class ClosedForm(SlopeAverage):
         derivation = Derivation(
             f"{law.name or 'law'}/{criterion.name}",
             f"The {criterion.name} criterion for mu(v) = {law.text}",
-            formulas=(sp.Eq(mu(v), law.expr, evaluate=False),),
         )
         derivation.equal(
             "split the law into terms, each an amplitude times a profile of v over a scale",
@@ -181,8 +180,7 @@ class ClosedForm(SlopeAverage):
         """Return the steps for the law in letters, and that which puts its numbers in."""
         title = f"The {self.criterion.name} criterion for mu(v) = {self.law.text}"
         name = f"{self.law.name or 'law'}/{self.criterion.name}"
-        shown = sp.Eq(mu(v), self.law.expr, evaluate=False)
-        derivation = Derivation(name, title, list(general.derivation.steps), (shown,))
+        derivation = Derivation(name, title, list(general.derivation.steps))
         letters = ", ".join(f"{letter} = {printing.text(value)}" for letter, value in self.meanings.items())
         in_letters = printing.text(general.law.expr)
         equations = [sp.Eq(letter, value, evaluate=False) for letter, value in self.meanings.items()]

@@ -80,14 +80,11 @@ class Derivation(DataResult):
     title : str
         One line that says what is derived from what.
     steps : list of Step
-    formulas : tuple of sympy.Basic
-        The formulas that stand in the title as text.
     """
 
     name: str
     title: str
     steps: list[Step] = field(default_factory=list)
-    formulas: tuple[Expr, ...] = ()
 
     def equal(
         self,
@@ -155,7 +152,7 @@ class Derivation(DataResult):
         known = notation_of(QUANTITIES) | {"mu": r"\mu"}
         known |= {name: latex for name, latex in (names or {}).items() if name in known}
         names = self._names(names)
-        title = _words(self.title, self.formulas, known, names)
+        title = _words(self.title, [step.statement for step in self.steps[:1]], known, names)
         parts = [f"\\paragraph{{{heading or title}.}}"]
         for step in self.steps:
             statement, written = step.statement, _in_units(step, names)
