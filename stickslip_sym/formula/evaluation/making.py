@@ -23,6 +23,7 @@ from sympy.printing.numpy import NumPyPrinter
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.balls import ball
+from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.functions import elementary
 from stickslip_sym.core.numbers import binary_fraction
 from stickslip_sym.core.precision import refined, working_precision
@@ -300,7 +301,7 @@ class _Builder:
                 whole = far_out(series, self.criterion, unit, end, weight, moments)
                 if (pair := self._written(whole, unit, 1, float(end) / 2, None)) is not None:
                     return pair
-        except NotAnalytic:
+        except (NotAnalytic, NotConverged):  # or its values far out are not known
             pass
         return None
 
