@@ -33,7 +33,7 @@ from stickslip_sym.motion.orbits.needed import SIGNS, needed_all
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
 from stickslip_sym.motion.regimes.overtaking import reaches, rounds_outside
-from stickslip_sym.motion.regimes.regime import regime
+from stickslip_sym.motion.regimes.regime import kept_regime
 from stickslip_sym.motion.slip import Dimensionless, RoundEnds
 from stickslip_sym.motion.thresholds.averages import slope_mean
 
@@ -303,7 +303,7 @@ class _Decider:
         outcome, why = None, ""
         try:
             check_time()
-            outcome = regime(self.law, osc, rtol=rtol)
+            outcome = kept_regime(self.law, osc, rtol)
             cells.motion[i], cells.reason[i] = classify(self.law, osc, rtol=rtol), Reason.SIMULATED
             why = "; ".join(outcome.undecided)
             if cells.motion[i] is Motion.UNDECIDED and not why:
