@@ -126,7 +126,7 @@ class Values:
         order = 2 * math.lcm(*(int(e.q) if e.is_Rational else _LARGEST_ORDER for e in exponents))
         self._order = min(order, _LARGEST_ORDER)
         self._pieces: dict[int, list[_Piece]] = {}
-        self._resolved_pieces: dict[tuple[float, float], list[_Piece]] = {}
+        self._resolved_pieces: dict[tuple[float, float], list[_Piece] | Unknown] = {}
         self._work = 0  # pieces that all values so far took
         self._close = max(_CLOSE, self._order)
         lowest = math.frexp(scales_of(profile, point)[0])[1]
@@ -232,8 +232,8 @@ class Values:
             high = min([octave, arb(self.end), *(kink.mid() for kink in self.kinks if low < kink.mid())])
             key = float(low), float(high)
             if key not in self._resolved_pieces:
-                self._resolved_pieces[key] = required(self._resolved(low, high, below.moment))
-            for piece in self._resolved_pieces[key]:
+                self._resolved_pieces[key] = self._resolved(low, high, below.moment)
+            for piece in required(self._resolved_pieces[key]):
                 ratio = (below.high / piece.high).mid()
                 before = below.average(arb_poly([0, ratio]))
                 before *= arb(1) if self.criterion.is_polynomial else ratio.sqrt()
