@@ -36,6 +36,7 @@ from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 from stickslip_sym.motion.thresholds.theorem import Theorem
 from stickslip_sym.motion.thresholds.threshold import Threshold
 from stickslip_sym.motion.thresholds.uncertainty import Budget
+from stickslip_sym.numerics.known import Unknown
 
 __all__ = [
     "Average",
@@ -86,5 +87,6 @@ __all__ = [
     "Tradeoff",
     "Trajectories",
     "Trajectory",
+    "Unknown",
     "Verdict",
 ]
