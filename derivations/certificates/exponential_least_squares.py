@@ -61,7 +61,7 @@ V, N, v, s = (sp.Symbol(name, **{kind: True}) for name, kind in
               (("V", "positive"), ("N", "positive"), ("v", "nonnegative"), ("s", "real")))  # fmt: skip
 
 
-EVERYWHERE = {"exp", "sin", "cos", "sinh", "cosh", "erf", "erfc", "erfi", "im", "re"}  # DLMF 4.2, 4.14, 4.28, 7.2
+EVERYWHERE = {"exp", "sin", "cos", "sinh", "cosh", "erf", "erfc", "erfi", "Si", "im", "re"}  # DLMF 4, 6.2, 7.2
 """Functions that are analytic at every argument; `im` and `re` of what is analytic in a real variable."""
 ON_THE_REALS = {"tanh", "sech", "atan", "asinh"}  # 4.28, 4.23, 4.37
 """Functions that are analytic at every real argument."""

@@ -84,7 +84,7 @@ REFUSALS = {
         lambda: ss.derive(FALLING).certificate(),
         {"print(form.derivation.text())": lambda: ss.derive(FALLING).derivation.text()},
         f"export {FALLING} --criterion least_squares --certificate a.py"),
-    "a script in Coq has weights that are polynomials": (
+    "a script in Coq has the harmonic criterion of polynomials": (
         lambda: ss.derive("exponential", "harmonic").certificate("coq"),
         {'form.certificate("sympy")': lambda: ss.derive("exponential", "harmonic").certificate("sympy")},
         "export exponential --criterion harmonic --certificate a.v"),
@@ -140,7 +140,7 @@ def test_advice_of_the_command_line_leads_on(words, run, tmp_path, monkeypatch):
 def test_every_refusal_that_advises_something_is_in_the_table():
     package = Path(ss.__file__).parent
     files = [*(package / "formula").rglob("*.py"), package / "cli" / "derive.py", package / "cli" / "export.py"]
-    files += [package / "certificates" / "closed_forms.py", package / "certificates" / "coq" / "writer.py"]
+    files += [package / "certificates" / "closed_forms.py", package / "certificates" / "coq" / "harmonic.py"]
     advised = 0
     for path in files:
         for node in ast.walk(ast.parse(path.read_text())):

@@ -6,6 +6,7 @@ from stickslip_sym.certificates.coq.printer import Unsupported
 from stickslip_sym.certificates.coq.script import Script
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.remedies import Call
 from stickslip_sym.output import printing
 
 V = symbols.V
@@ -25,7 +26,8 @@ class Harmonic(Script):
         if not law.is_polynomial(symbols.v):
             raise Unsupported(
                 "a script in Coq has the harmonic criterion of polynomials of v, and no rule for "
-                f"mu(v) = {printing.text(law)}"
+                f"mu(v) = {printing.text(law)}; its certificate in SymPy proves it: ",
+                Call('form.certificate("sympy")', "export LAW --certificate FILE.py"),
             )
         mu, c = self.words(law, self.v), self.words(self.form.expr, self.v)
         slope = self.words(sp.diff(law, symbols.v), self.v)

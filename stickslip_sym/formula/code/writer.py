@@ -17,6 +17,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.functions import FUNCTIONS
 from stickslip_sym.core.names import lookup
 from stickslip_sym.core.remedies import Call, Values
 from stickslip_sym.core.special import NumberPower
@@ -86,16 +87,22 @@ def _settled(average: TermSum) -> tuple[list[TermFunction], set[Expr]]:
 # -- expressions and numbers -------------------------------------------------------------------------
 
 
+_ELEMENTARY = {"csch", "acosh", "atanh", "erfc", "Erfcx", "Langevin", "expm1", "log1p", "Abs", "sign"}
+_SPECIAL = frozenset(row.name for row in FUNCTIONS.values() if not row.in_laws and row.name not in _ELEMENTARY)
+"""Functions that a language has, if at all, in a library that a reader of code may not have."""
+
+
 def text_of(expr: Expr, names: Mapping[Expr, str], language: Language) -> str:
     """Return an expression in a language, by SymPy's printer; a function that the language has not is refused."""
     numbers = {node: sp.Float(float(node)) for node in expr.atoms(NumberPower)}
+    functions = {type(node).__name__ for node in expr.atoms(sp.Function) - numbers.keys()}
+    refusal = f"{str(expr)[:60]} cannot be written as code: {language.name} lacks "
+    if special := functions & _SPECIAL:
+        raise InputError(f"{refusal}{', '.join(sorted(special))}")
     try:
         return str(_PRINTERS[language.name](language, names).doprint(expr.xreplace(numbers)))
     except PrintMethodNotImplementedError:
-        unknown = ", ".join(sorted({type(node).__name__ for node in expr.atoms(sp.Function)}))
-        raise InputError(
-            f"{str(expr)[:60]} cannot be written as code: {language.name} lacks one of {unknown}"
-        ) from None
+        raise InputError(f"{refusal}one of {', '.join(sorted(functions))}") from None
 
 
 def _by_elements(text: str, language: Language) -> str:

@@ -120,6 +120,7 @@ def simulate(
         raise InputError(f"max_steps = {max_steps} must be at least 1")
     if method not in ("events", "solve_ivp"):
         raise InputError(f"there is no method {str(method)[:40]!r}; choose 'events' or 'solve_ivp'")
+    _ = law.bound.table  # what every motion of the law rests on; the limit is on following this one
     speeds = osc.V if v0 is None else v0
     many = np.ndim(x0) > 0 or np.ndim(speeds) > 0
     with deadline.time_limit(time_limit):

@@ -27,6 +27,7 @@ _FAR = 10.0  # errors from a threshold at which the fate of the slip from P is a
 _CLEAR = 3.0  # times the errors of a slip as a whole, from where its fate is certain
 _OF_SPRING = 0.1  # friction may be far weaker than the spring, whose share of these errors is that
 _MOST_STEPS = 2000  # of such a slip: the search for a threshold takes about as many
+_WEAK = 1e-7  # eta below which the changes of a gap may be nothing but rounding
 _SAME = 1e-8  # relative distance of two slip speeds that are one, as the highest and one at which mu jumps
 
 
@@ -113,7 +114,7 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
         "V": Wedge(-push / V, 0.0, -eta / V, _stretched(rise.pieces), [-level / V / V for level in levels]),
         "N": Wedge(excess * friction, 0.0, -friction, rise.pieces, still),
     }
-    if 0.0 < abs(osc.N * derivative(sources["N"])) < ROUNDING:
+    if eta < _WEAK and 0.0 < abs(osc.N * derivative(sources["N"])) < ROUNDING:
         raise NotConverged(
             f"how the threshold changes is not known at eta = {eta:g} and V = {V:g} m/s: friction is so weak that "
             "its changes are lost in rounding; try an average of the slope"
