@@ -399,7 +399,7 @@ class _Walk:
         level = self.segment.low if side < 0 else self.segment.high
         if level is None or not 0 <= self.number + side < len(self.segments):
             raise InputError(
-                "the slip from P goes beyond the last measured speed; "
+                "the slip that follows stick goes beyond the last measured speed; "
                 "measure further, or hold the last coefficient: ",
                 Argument("extrapolate", True),
             )
