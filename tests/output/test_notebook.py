@@ -201,6 +201,15 @@ def test_laws_and_comparisons_have_pictures(tmp_path):
         law.plot(v_max=-1)
     with pytest.raises(ss.InputError, match="alpha"):
         ss.laws.exponential.plot()
+    v = np.linspace(0.02, 1, 30)
+    fits = ss.fit(v, law.mu(v) + 0.003 * np.cos(40 * v), laws="exponential")
+    ax.clear()
+    for result in (fits, fits[0]):
+        assert result.plot(ax=ax) is ax.figure
+        assert {"measured", "95 % band", "exponential"} <= {
+            text.get_text() for text in ax.get_legend().get_texts()
+        }
+        ax.clear()
     compared = ss.compare(law, V=0.5, N=9.81, m=1, k=100, methods=["harmonic", "orbit"])
     (ax,) = compared.plot(tmp_path / "c.svg").axes
     assert "orbit at $V$ = 0.5 m/s" in {text.get_text() for text in ax.get_legend().get_texts()}

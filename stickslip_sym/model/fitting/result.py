@@ -32,6 +32,8 @@ from stickslip_sym.output.drawing import BLUE, Drawn, finish, new_figure, pictur
 from stickslip_sym.output.report import Report, Rows
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 _USUAL = 0.95  # probability of an interval
@@ -281,6 +283,11 @@ class Fit(_Report, DataResult):
         pairs = zip(self.values.items(), self.standard_errors.values(), strict=True)
         return ", ".join(f"{name} = {with_error(value, error).replace(' ', '')}" for (name, value), error in pairs)
 
+    def draw(self, ax: "Axes") -> "Sequence[Artist]":
+        """Draw the law with its band and the measured points in a panel, and return the handles of its legend."""
+        draw_law(ax, self.law, float(self.measured.v[-1]), self.measured, self.band, self.name[:60])
+        return [handle for handle in ax.get_legend_handles_labels()[0] if not isinstance(handle, tuple)]
+
     def _figure(self) -> "Figure":
         figure: Figure
         figure, ((above,), (below,)) = new_figure(6.4, 5.0, 2, sharex=True, height_ratios=[3, 1])
@@ -402,13 +409,15 @@ class Fits(_Report, Sequence[Fit], TableResult):
 
     def _parts(self) -> list[str | Rows]:
         rows, least = [], min(fit.aicc for fit in self.fits)
-        for fit in self.fits:
+        for fit in self.likely:
             above = f"{fit.aicc - least:.1f}" if math.isfinite(fit.aicc) else "-"
             rows.append([fit.name, above, f"{fit.weight:.3f}", f"{fit.sigma:.3g}", fit.values_in_words])
         parts: list[str | Rows] = [
             *self.measured.parts(),
             (["law", "AICc above", "weight", "sigma", "values"], rows),
         ]
+        if rest := [fit.name for fit in self.fits if fit not in self.likely]:
+            parts.append(f"a hundred times less likely, or more: {', '.join(rest)}")
         speeds = speeds_that_count(self.measured)
         if speeds < RANKED:
             parts.append(f"too few rows to rank laws: {speeds} speeds; measure at {RANKED} speeds or more")
@@ -421,6 +430,10 @@ class Fits(_Report, Sequence[Fit], TableResult):
 
     def __repr__(self) -> str:
         return f"Fits: {', '.join(f'{fit.name} ({fit.weight:.2g})' for fit in self.fits)}; {self.measured}"
+
+    def draw(self, ax: "Axes") -> "Sequence[Artist]":
+        """Draw the best fit in a panel, and return the handles of its legend."""
+        return self.best.draw(ax)
 
     def _figure(self) -> "Figure":
         return self.best._figure()
