@@ -24,7 +24,7 @@ _MOST_VALUES = 1_000_000
 _WIDTH, _HEIGHT = 60, 20  # of the picture in text
 
 
-def read_axis(text: str, option: str, law: ss.FrictionLaw) -> tuple[str, FloatArray]:
+def read_axis_option(text: str, option: str, law: ss.FrictionLaw) -> tuple[str, FloatArray]:
     """Read NAME=START:STOP:COUNT, the ends in SI units or others."""
     import numpy as np
 
@@ -76,7 +76,7 @@ def run(given: Given) -> None:
     if twice := given["parameter"].keys() & set(names):
         raise InputError(f"{min(twice)} is an axis, and given by -p too; leave one of the two out")
     at = point(given, without=names).exact("map")
-    x, y = (read_axis(given[side], f"--{side}", at.law) for side in "xy")
+    x, y = (read_axis_option(given[side], f"--{side}", at.law) for side in "xy")
     how: dict[str, Any] = {name: given[name] for name in ("time_limit", "workers")} | at.numbers
     csv, npz, plot = given["csv"], given["npz"], given["plot"]
     given.all_used()

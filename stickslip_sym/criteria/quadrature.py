@@ -26,7 +26,15 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.numerics.chebyshev import grid
 from stickslip_sym.numerics.known import Unknown
-from stickslip_sym.numerics.subdivide import HALVE, Accept, Budget, Decision, Interval, Limits, subdivide
+from stickslip_sym.numerics.subdivide import (
+    HALVE,
+    Accept,
+    Decision,
+    DivisionLimits,
+    Interval,
+    WorkBudget,
+    subdivide,
+)
 
 __all__ = ["MOST_DIGITS", "average", "damping", "read_operating_point"]
 
@@ -315,7 +323,7 @@ def _adaptive(f: Function, a: Mpf, b: Mpf, tolerance: Mpf, rule: str) -> Mpf:
         accepted.extend(one for one in estimates if one.error <= share)
         return [Accept(one.value) if one.error <= share else HALVE for one in estimates]
 
-    limits = Limits(Budget(_MOST_PANELS))
+    limits = DivisionLimits(WorkBudget(_MOST_PANELS))
     values = subdivide([(a, b)], look, limits=limits, at_once=_MOST_PANELS).complete()
     if isinstance(values, Unknown):
         raise NotConverged(

@@ -49,8 +49,8 @@ from stickslip_sym.numerics.subdivide import (
     HALVE,
     Accept,
     Decision,
+    DivisionLimits,
     Interval,
-    Limits,
     ends,
     shown,
     subdivide,
@@ -358,7 +358,7 @@ class _Segment:
         found = subdivide(
             list(pairwise(edges.tolist())),
             look,
-            limits=Limits(parts=_MOST),
+            limits=DivisionLimits(parts=_MOST),
             at_once=_MOST,
             to_first_open=True,
         )

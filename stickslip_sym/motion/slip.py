@@ -1,4 +1,4 @@
-"""`Dimensionless`: an oscillator free of units, and its slips, one in plain Python or many; `kernel` says how."""
+"""An oscillator free of units, and its slips, one in plain Python or many; `kernel` says how."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -21,10 +21,10 @@ from stickslip_sym.motion.kernel.data import (
     MOST_STEPS,
     TIGHT,
     Branch,
-    End,
     Field,
-    State,
-    Step,
+    SlipEnd,
+    SlipState,
+    SlipStep,
     Stop,
     Wedge,
     no_wedge,
@@ -41,7 +41,7 @@ Number = TypeVar("Number")
 class Slip(NamedTuple, Generic[Number]):
     """The end of a slip, or of many as arrays: why, when, where, and how far it went.
 
-    - `end`: an `End`, or the numbers of them.
+    - `end`: an `SlipEnd`, or the numbers of them.
     - `rate`, `wedge`: w' and D there.
     - `taken`, `passed`: how many steps it took, and how often the mass passed the belt's speed.
     - `q_least` to `u_most`: extremes of q, and of u = side w, at the ends of its steps.
@@ -61,12 +61,12 @@ class Slip(NamedTuple, Generic[Number]):
     q_most: Number
     u_least: Number
     u_most: Number
-    steps: Sequence[Step] = ()
+    steps: Sequence[SlipStep] = ()
 
     def one(self, number: int) -> "Slip[float]":
         """Return one of many."""
         end, *numbers = (column[number].item() for column in self[:-1])  # type: ignore[index]  # of arrays
-        return Slip(End(end), *numbers)
+        return Slip(SlipEnd(end), *numbers)
 
 
 class RoundEnds(NamedTuple):
@@ -92,7 +92,7 @@ def _follow_all(rise: Rise, columns: Any, rtol: float, until: int, level: float,
     eta, push, side, damping, hold, q, w, horizon, most, passes = columns
     wedge = no_wedge(rise)
     for i in range(len(q)):
-        field, begin = Field(eta[i], push[i], side[i], damping[i]), State(0.0, q[i], w[i], side[i], 0.0, 0.0)
+        field, begin = Field(eta[i], push[i], side[i], damping[i]), SlipState(0.0, q[i], w[i], side[i], 0.0, 0.0)
         stop = Stop(until, level, horizon[i], int(most[i]), int(passes[i]))
         run = follow(rise, field, hold[i], begin, stop, wedge, rtol, False)
         rows[i, 0] = run.end.value
@@ -111,7 +111,7 @@ def _states(rise: Rise, columns: Any, field: Field, rtol: float, rows: Any) -> N
             rows[i, 0], rows[i, 1] = q[i] + h * (1.0 - field.side * w[i]), w[i]
         else:
             branch = entered(rise, int(segment[i]), True, w[i])
-            state = State(0.0, q[i], w[i], field.side, rate[i], 0.0)
+            state = SlipState(0.0, q[i], w[i], field.side, rate[i], 0.0)
             step = stepped(implicit[i] > 0, branch, field, state, h, rtol, wedge)
             rows[i, 0], rows[i, 1] = step.q, step.w
 
@@ -123,7 +123,7 @@ _FIRST, _BETWEEN_LOOKS = 1, 0.05  # slips before the first look at a time limit,
 
 
 @dataclass(frozen=True)
-class Dimensionless:
+class NondimensionalOscillator:
     """An oscillator with its law, free of units: the equations of `kernel` with their numbers.
 
     Attributes
@@ -142,7 +142,8 @@ class Dimensionless:
 
     >>> from stickslip_sym import Oscillator, laws
     >>> osc = Oscillator(m=1.0, k=100.0, c=2.0, V=0.5, N=9.81)
-    >>> slip = Dimensionless.of(laws.exponential.typical().bound, osc).slip(0.0, 0.0, until=End.MINIMUM)
+    >>> system = NondimensionalOscillator.of(laws.exponential.typical().bound, osc)
+    >>> slip = system.slip(0.0, 0.0, until=SlipEnd.MINIMUM)
     >>> slip.end.name, round(slip.tau, 6)
     ('RETURN', 5.677805)
     """
@@ -153,7 +154,7 @@ class Dimensionless:
     V: float
 
     @classmethod
-    def of(cls, law: BoundLaw, osc: Oscillator) -> "Dimensionless":
+    def of(cls, law: BoundLaw, osc: Oscillator) -> "NondimensionalOscillator":
         """Make an oscillator with a law dimensionless; raises as `BoundLaw.table`."""
         osc = as_oscillator(osc)
         system = cls(osc.eta, osc.zeta, law.table, osc.V)
@@ -172,7 +173,7 @@ class Dimensionless:
         return self.table.reach / self.V
 
     @property
-    def backward(self) -> "Dimensionless":
+    def backward(self) -> "NondimensionalOscillator":
         """The same backward in time, with q negated."""
         return replace(self, eta=-self.eta, zeta=-self.zeta)
 
@@ -218,7 +219,7 @@ class Dimensionless:
         return Wedge(0.0, 0.0, 0.0, self.rise.pieces, [0.0] * len(self.rise.jumps))
 
     def slip(
-        self, q: float, w: float, side: float = 1, *, passes: int = 0, until: End = End.RETURN,
+        self, q: float, w: float, side: float = 1, *, passes: int = 0, until: SlipEnd = SlipEnd.RETURN,
         level: float = math.inf, horizon: float = math.inf, rtol: float = TIGHT,
         wedge: tuple[Wedge, float] | None = None, most: int | None = None, recorded: bool = False,
     ) -> Slip[float]:  # fmt: skip
@@ -243,7 +244,7 @@ class Dimensionless:
         source, D = (no_wedge(self.rise), 0.0) if wedge is None else wedge
         run = follow(
             self.rise, self.field(float(side)), 2 * self.eta * self.table.static,
-            State(0.0, float(q), float(w), float(side), 0.0, D), Stop(int(until), level, *limits),
+            SlipState(0.0, float(q), float(w), float(side), 0.0, D), Stop(int(until), level, *limits),
             source, rtol, recorded,
         )  # fmt: skip
         slip: Slip[float] = Slip._make((run.end, *run.state, *run.extent, run.steps))
@@ -253,7 +254,7 @@ class Dimensionless:
 
     def slips(
         self, q: FloatArray, w: FloatArray, side: ArrayLike = 1.0, *,
-        ratios: tuple[ArrayLike, ArrayLike] | None = None, passes: ArrayLike = 0, until: End = End.RETURN,
+        ratios: tuple[ArrayLike, ArrayLike] | None = None, passes: ArrayLike = 0, until: SlipEnd = SlipEnd.RETURN,
         level: float = math.inf, horizon: float = math.inf, rtol: float = TIGHT, most: int = MOST_STEPS,
         few: int = _FEW, workers: int = 1,
     ) -> Slip[FloatArray]:  # fmt: skip
@@ -274,7 +275,7 @@ class Dimensionless:
         for column, value in zip(columns, given, strict=True):
             column[:] = value
         sides, u, none = columns[2], columns[2] * columns[6], np.zeros(columns.shape[1:])
-        rows = np.column_stack([none + End.LATE, none, q, w, sides, *[none] * 4, q, q, u, u])
+        rows = np.column_stack([none + SlipEnd.LATE, none, q, w, sides, *[none] * 4, q, q, u, u])
         halves = min(float(np.max(passes, initial=0)), horizon / math.pi)
         batch = math.ceil(_BATCH / (1.0 + halves))
         settings = rtol, int(until), level
@@ -286,9 +287,9 @@ class Dimensionless:
 
         - `options`: of `slips`.
         """
-        slips = self.slips(q, np.zeros_like(q), passes=1, until=End.MINIMUM, rtol=rtol, **options)
-        returns, leaves = slips.end == End.RETURN, slips.end == End.OUTSIDE
-        slower = (slips.end == End.MINIMUM) | (slips.end == End.REST)
+        slips = self.slips(q, np.zeros_like(q), passes=1, until=SlipEnd.MINIMUM, rtol=rtol, **options)
+        returns, leaves = slips.end == SlipEnd.RETURN, slips.end == SlipEnd.OUTSIDE
+        slower = (slips.end == SlipEnd.MINIMUM) | (slips.end == SlipEnd.REST)
         # Without static friction P is passed by all that come to it but for rounding.
         sticks = returns & (slips.q <= 0) & (self.table.static > 0)
         ends = np.where(leaves, math.inf, np.where(returns, np.maximum(slips.q, 0.0), math.nan))
@@ -301,7 +302,7 @@ class Dimensionless:
         return RoundEnds(Column.of(ends, np.minimum(errors, size), _LOST), sticks, slower, leaves)
 
     def states(
-        self, steps: Sequence[Step], which: IntArray, tau: FloatArray, side: float, rtol: float
+        self, steps: Sequence[SlipStep], which: IntArray, tau: FloatArray, side: float, rtol: float
     ) -> tuple[FloatArray, FloatArray]:
         """Return q and w at times within recorded steps, each by one shorter step from the begin of its step.
 
@@ -349,18 +350,18 @@ class Dimensionless:
 
     def refusal(self, slip: Slip[float], rtol: float) -> StickSlipError | None:
         """Return why a slip has no answer; None where it has one, or grows without bound."""
-        if slip.end is End.LATE:
+        if slip.end is SlipEnd.LATE:
             return OutOfTime("the time limit was reached")
-        if slip.end is End.STEPS:
+        if slip.end is SlipEnd.STEPS:
             return NotConverged(
                 f"one slip phase took over {slip.taken:.0f} steps up to {slip.tau:.3g}/omega: mu may be too "
                 "rough; try a larger rtol"
             )
-        if slip.end not in (End.OUTSIDE, End.FAILED) or self.unbounded(slip):
+        if slip.end not in (SlipEnd.OUTSIDE, SlipEnd.FAILED) or self.unbounded(slip):
             return None
-        if slip.end is End.OUTSIDE and slip.w >= self.w_max:
+        if slip.end is SlipEnd.OUTSIDE and slip.w >= self.w_max:
             return self.unmeasured(slip.w)
-        if slip.end is End.OUTSIDE and not slip.taken:
+        if slip.end is SlipEnd.OUTSIDE and not slip.taken:
             return InputError(f"mu cannot be computed at a slip speed of {slip.w:g} V, where the motion begins")
         return NotConverged(
             f"the slip phase cannot be integrated at rtol = {rtol:g} beyond a slip speed of {slip.w:.6g} V: "
@@ -369,4 +370,4 @@ class Dimensionless:
 
     def unbounded(self, slip: Slip[float]) -> bool:
         """Whether a slip grew beyond all bounds, and so out of the table."""
-        return slip.end is End.OUTSIDE and slip.w * self.V >= FARTHEST * (1 - 1e-13)
+        return slip.end is SlipEnd.OUTSIDE and slip.w * self.V >= FARTHEST * (1 - 1e-13)

@@ -25,11 +25,11 @@ from stickslip_sym.numerics.known import Column, Unknown
 from stickslip_sym.numerics.subdivide import (
     NARROW,
     Accept,
-    Budget,
     Decision,
+    DivisionLimits,
     Halve,
     Interval,
-    Limits,
+    WorkBudget,
     ends,
     joined,
     subdivide,
@@ -77,7 +77,7 @@ class Root(NamedTuple):
     high: float
 
 
-class Stretch(NamedTuple):
+class OpenStretch(NamedTuple):
     """An interval in which it is not known how often a function takes a value, which these may be, and why."""
 
     low: float
@@ -133,7 +133,7 @@ class Resolved:
     """
 
     pieces: tuple[Piece, ...]
-    open: tuple[Stretch, ...]
+    open: tuple[OpenStretch, ...]
     rtol: float
 
     def __call__(self, x: float) -> float:
@@ -242,7 +242,7 @@ def resolve(
     - `sketch`: the function with larger errors, where only its roots are sought. The function itself is asked
       where these errors may hide one.
     """
-    budget = Budget(most)
+    budget = WorkBudget(most)
 
     def look(intervals: Sequence[Interval[float, Range]]) -> list[Decision[Piece, Range]]:
         x = nodes(*ends(intervals))
@@ -267,11 +267,11 @@ def resolve(
             return decision
         return fitted(one.low, one.high, row, rtol)
 
-    limits = Limits(budget, cost=NODES, narrowest=_NARROWEST * (edges[-1] - edges[0]))
+    limits = DivisionLimits(budget, cost=NODES, narrowest=_NARROWEST * (edges[-1] - edges[0]))
     found = subdivide(list(pairwise(edges)), look, limits=limits, at_once=most)
     anything = Range(-math.inf, math.inf)
     stretches = [
-        Stretch(one.low, one.high, one.note or anything, one.why)
+        OpenStretch(one.low, one.high, one.note or anything, one.why)
         for one in found.open
         if one.why is not NARROW  # a jump
     ]

@@ -17,14 +17,14 @@ from stickslip_sym.core.deadline import check_time
 from stickslip_sym.numerics.known import Unknown
 
 
-class End(Protocol):
+class Endpoint(Protocol):
     """A number at which an interval ends."""
 
     def __lt__(self, other: Any, /) -> Any: ...
     def __sub__(self, other: Any, /) -> Any: ...
 
 
-X = TypeVar("X", bound=End)
+X = TypeVar("X", bound=Endpoint)
 P = TypeVar("P")  # of what is accepted
 N = TypeVar("N")  # of a note
 
@@ -83,7 +83,7 @@ Look: TypeAlias = Callable[[Sequence[Interval[X, N]]], Iterable[Decision[P, N]]]
 
 
 @dataclass
-class Budget:
+class WorkBudget:
     """How much work is left, in the unit of whoever counts it; several searches may share one."""
 
     left: float = math.inf
@@ -97,7 +97,7 @@ class Budget:
 
 
 @dataclass(frozen=True)
-class Limits:
+class DivisionLimits:
     """How far intervals are divided.
 
     - `budget`, `cost`: the work that is left, and that of looking at one interval.
@@ -106,7 +106,7 @@ class Limits:
     - `narrowest`: a width down to which intervals are halved.
     """
 
-    budget: Budget = field(default_factory=Budget)
+    budget: WorkBudget = field(default_factory=WorkBudget)
     cost: int = 1
     halvings: float = math.inf
     parts: float = math.inf
@@ -152,7 +152,7 @@ def subdivide(
     edges: Sequence[tuple[X, X]],
     look: Look[X, N, P],
     *,
-    limits: Limits,
+    limits: DivisionLimits,
     at_once: int = 1,
     cut: Callable[[X, X], X] = middle,
     to_first_open: bool = False,
@@ -200,7 +200,9 @@ def subdivide(
     return Subdivision(accepted, undecided)
 
 
-def _halved(one: Interval[X, N], note: N, limits: Limits, cut: Callable[[X, X], X]) -> list[Interval[X, N]]:
+def _halved(
+    one: Interval[X, N], note: N, limits: DivisionLimits, cut: Callable[[X, X], X]
+) -> list[Interval[X, N]]:
     """Return both halves of an interval; none if that is not to be halved any more."""
     if one.halvings >= limits.halvings or not limits.narrowest < one.high - one.low:
         return []

@@ -14,7 +14,7 @@ from stickslip_sym.comparison import study as studies
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.motion.margins import critical
 from stickslip_sym.motion.thresholds import methods
-from stickslip_sym.motion.thresholds.methods import ask
+from stickslip_sym.motion.thresholds.methods import evaluate
 from stickslip_sym.motion.thresholds.threshold import Threshold
 from stickslip_sym.output import browser
 
@@ -355,10 +355,10 @@ def test_no_threshold_is_computed_twice(monkeypatch):
             values = tuple(sorted(points.law.values.items()))
             for row in zip(*(column.tolist() for column in points.columns.values()), strict=True):
                 asked[method.name, values, *row] += 1
-        return ask(points, method, rtol, **more)
+        return evaluate(points, method, rtol, **more)
 
     for module in (methods, critical):
-        monkeypatch.setattr(module, "ask", counted)
+        monkeypatch.setattr(module, "evaluate", counted)
     ss.study(ss.laws.linear.typical(), OSC)
     assert sum(asked.values()) > 10
     assert set(asked.values()) == {1}

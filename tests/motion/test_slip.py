@@ -10,16 +10,16 @@ from motions import points
 from strategies import laws, operating_points
 
 import stickslip_sym as ss
-from stickslip_sym.motion.kernel.data import End
-from stickslip_sym.motion.orbits.needed import needed_all
-from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.kernel.data import SlipEnd
+from stickslip_sym.motion.orbits.needed import search_damping_ratios
+from stickslip_sym.motion.slip import NondimensionalOscillator
 
 
 def systems(count, seed):
     """Yield laws, dimensionless oscillators and initial conditions q, w, side."""
     rng = np.random.default_rng(seed)
     for _, law, osc, *_ in points(count, seed):
-        system = Dimensionless.of(law.bound, osc)
+        system = NondimensionalOscillator.of(law.bound, osc)
         q = rng.uniform(-2, 2) * (1 + 0.3 * system.eta)
         yield law, system, q, rng.uniform(0, 2.5), int(rng.choice((1, 1, -1)))
 
@@ -31,7 +31,7 @@ def test_one_slip_and_many_give_the_same_bits(compiling, monkeypatch):
         pytest.importorskip("numba")
     else:
         monkeypatch.setattr("stickslip_sym.motion.slip.is_compiling", lambda: False)
-    for until in (End.RETURN, End.MINIMUM, End.LEVEL):
+    for until in (SlipEnd.RETURN, SlipEnd.MINIMUM, SlipEnd.LEVEL):
         for number, (_, system, q, w, side) in enumerate(systems(24 if compiling else 8, seed=3)):
             options = {"until": until, "level": 1.0, "horizon": 20.0, "rtol": 1e-11, "most": 2000}
             options["passes"] = number % 3
@@ -44,13 +44,13 @@ def test_one_slip_and_many_give_the_same_bits(compiling, monkeypatch):
 def test_needed_damping_has_the_same_bits_plain_and_compiled(law, osc, amplitude, rtol):
     """With its slope, and in implicit steps too, of strong friction: a threshold does not say what is loaded."""
     pytest.importorskip("numba")
-    system = Dimensionless.of(law.bound, osc)
+    system = NondimensionalOscillator.of(law.bound, osc)
     for eta in (system.eta, 100 * system.eta):
         push = eta * (system.table.static - system.table.onset)
         rows = np.empty((2, 2, 5))
         for i, few in enumerate((9, 0)):
             orbits = [np.array(column) for column in ([eta, eta], [0.0, push], [amplitude, 1.0])]
-            system.spread(needed_all, orbits, (rtol,), rows[i], few=few)
+            system.spread(search_damping_ratios, orbits, (rtol,), rows[i], few=few)
         assert rows[0].tobytes() == rows[1].tobytes(), law
 
 
@@ -64,7 +64,7 @@ def test_slip_goes_on_beyond_the_belt_speed():
             return system.slip(q, w, side, passes=2, rtol=1e-12, **options)
 
         whole = end(q, wedge=(system.difference, -system.acceleration(q, w, side)))
-        if whole.end is not End.RETURN or whole.passed < 2:
+        if whole.end is not SlipEnd.RETURN or whole.passed < 2:
             continue
         parts = [system.slip(q, w, side, rtol=1e-12)]
         for other in (-side, side):
@@ -80,7 +80,7 @@ def test_slip_goes_on_beyond_the_belt_speed():
 
 
 def test_workers_give_the_same():
-    system = Dimensionless(2.0, 0.1, ss.laws.exponential.typical().bound.table, 0.5)
+    system = NondimensionalOscillator(2.0, 0.1, ss.laws.exponential.typical().bound.table, 0.5)
     q, w, side = np.linspace(-2, 0, 9000), np.linspace(0, 2, 9000), np.ones(9000)
     one, two = (system.slips(q, w, side, horizon=5.0, rtol=1e-6, workers=n) for n in (1, 2))
     assert all(np.array_equal(*columns) for columns in zip(one, two, strict=True))
@@ -90,9 +90,9 @@ def test_extremum_is_located_before_a_crossing():
     """The slip from P grazes the belt's speed at the threshold: just above it turns, just below it returns."""
     law, osc = ss.laws.exponential.typical(), ss.Oscillator(m=1, k=100, V=0.5, N=9.81)
     c = ss.pure_slip_damping(law, V=0.5, N=9.81, m=1, k=100, method="proof", rtol=1e-12).value
-    system = Dimensionless.of(law.bound, osc)
-    for off, end in ((1e-11, End.MINIMUM), (-1e-11, End.RETURN)):
-        slip = replace(system, zeta=c * (1 + off) / 20).slip(0.0, 0.0, until=End.MINIMUM, rtol=1e-13)
+    system = NondimensionalOscillator.of(law.bound, osc)
+    for off, end in ((1e-11, SlipEnd.MINIMUM), (-1e-11, SlipEnd.RETURN)):
+        slip = replace(system, zeta=c * (1 + off) / 20).slip(0.0, 0.0, until=SlipEnd.MINIMUM, rtol=1e-13)
         assert slip.end is end
         assert slip.w == pytest.approx(0.0, abs=1e-10)
 
@@ -101,7 +101,7 @@ def test_backward_returns_to_the_begin():
     compared = 0
     for law, system, q, w, side in systems(48, seed=4):
         there = system.slip(q, w, side, horizon=1.0, rtol=1e-13)
-        if there.end is End.HORIZON and max(system.eta, abs(system.zeta)) < 3 and w > 0.1:
+        if there.end is SlipEnd.HORIZON and max(system.eta, abs(system.zeta)) < 3 and w > 0.1:
             back = system.backward.slip(-there.q, there.w, side, horizon=1.0, rtol=1e-13)
             assert (-back.q, back.w) == pytest.approx((q, w), abs=1e-8), law
             compared += 1

@@ -99,7 +99,7 @@ def test_slow_slips_are_looked_at_one_by_one_and_quick_ones_together(monkeypatch
     monkeypatch.setattr(slip, "is_compiling", lambda: True)
     monkeypatch.setattr(slip, "compiled", lambda function: function)
     monkeypatch.setattr(deadline.time, "monotonic", lambda: now)
-    system = slip.Dimensionless.of(ss.laws.exponential.typical().bound, paper_oscillator(1.0))
+    system = slip.NondimensionalOscillator.of(ss.laws.exponential.typical().bound, paper_oscillator(1.0))
     with deadline.time_limit(1.0):
         system.spread(loop, (np.arange(1000.0),), (), rows)
     done = ~np.isnan(rows[:, 0])

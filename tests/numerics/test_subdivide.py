@@ -16,9 +16,9 @@ from stickslip_sym.numerics.subdivide import (
     NARROW,
     WORK,
     Accept,
-    Budget,
+    DivisionLimits,
     Halve,
-    Limits,
+    WorkBudget,
     boundary,
     exact_middle,
     joined,
@@ -45,7 +45,7 @@ def covered(found):
 
 @pytest.mark.parametrize("at_once", [1, 3, 100])
 def test_all_is_accepted_in_order(at_once):
-    found = subdivide(EDGES, at_most(0.25), limits=Limits(), at_once=at_once)
+    found = subdivide(EDGES, at_most(0.25), limits=DivisionLimits(), at_once=at_once)
     assert found.complete() == [2] * 4 + [3] * 8
     assert covered(found)
 
@@ -53,10 +53,10 @@ def test_all_is_accepted_in_order(at_once):
 @pytest.mark.parametrize(
     ("limits", "why"),
     [
-        (Limits(Budget(10), cost=3), WORK),
-        (Limits(halvings=2), NARROW),
-        (Limits(narrowest=0.5), NARROW),
-        (Limits(parts=2), CROWDED),
+        (DivisionLimits(WorkBudget(10), cost=3), WORK),
+        (DivisionLimits(halvings=2), NARROW),
+        (DivisionLimits(narrowest=0.5), NARROW),
+        (DivisionLimits(parts=2), CROWDED),
     ],
 )
 @pytest.mark.parametrize("at_once", [1, 100])
@@ -68,9 +68,9 @@ def test_what_a_limit_leaves_is_open_with_its_reason(limits, why, at_once):
 
 
 def test_the_note_of_what_is_open_is_the_last_one():
-    found = subdivide(EDGES, at_most(0.25), limits=Limits(halvings=1))
+    found = subdivide(EDGES, at_most(0.25), limits=DivisionLimits(halvings=1))
     assert [one.note for one in found.open] == [0.0, 0.5, 1.0, 2.0]
-    found = subdivide(EDGES, at_most(0.25), limits=Limits(Budget(2)))
+    found = subdivide(EDGES, at_most(0.25), limits=DivisionLimits(WorkBudget(2)))
     assert [one[:3] for one in found.open] == [(0, 0.25, 0.0), (0.25, 0.5, 0.0), (0.5, 1, 0.0), (1, 3, None)]
 
 
@@ -82,18 +82,18 @@ def test_a_look_may_not_know_and_the_lowest_open_one_ends_the_search():
             else:
                 yield Accept(one.first)
 
-    found = subdivide(EDGES, look, limits=Limits())
+    found = subdivide(EDGES, look, limits=DivisionLimits())
     ((low, high, _, why),) = found.open
     assert (low <= 0.6 < high, why is STUCK, covered(found)) == (True, True, True)
-    below = subdivide(EDGES, look, limits=Limits(), to_first_open=True)
+    below = subdivide(EDGES, look, limits=DivisionLimits(), to_first_open=True)
     assert below.accepted == [one for one in found.accepted if one.high <= low]
     assert below.open == found.open
 
 
 def test_fractions_and_balls_are_divided_exactly():
-    found = subdivide([(Fraction(0), Fraction(1, 3))], at_most(Fraction(1, 12)), limits=Limits())
+    found = subdivide([(Fraction(0), Fraction(1, 3))], at_most(Fraction(1, 12)), limits=DivisionLimits())
     assert [one.low for one in found.accepted] == [Fraction(k, 12) for k in range(4)]
-    balls = subdivide([(arb(0), arb(1))], at_most(0.3), limits=Limits(), cut=exact_middle)
+    balls = subdivide([(arb(0), arb(1))], at_most(0.3), limits=DivisionLimits(), cut=exact_middle)
     assert [float(one.high) for one in balls.accepted] == [0.25, 0.5, 0.75, 1.0]
     assert all(one.high.is_exact() for one in balls.accepted)
 
@@ -125,4 +125,4 @@ def test_boundaries_and_joined_intervals():
 
 def test_a_time_limit_ends_it():
     with time_limit(0), pytest.raises(ss.OutOfTime):
-        subdivide([(0.0, 1.0)], lambda intervals: [HALVE for _ in intervals], limits=Limits())
+        subdivide([(0.0, 1.0)], lambda intervals: [HALVE for _ in intervals], limits=DivisionLimits())

@@ -18,7 +18,7 @@ import stickslip_sym as ss
 from stickslip_sym import symbols
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.model.taylor_model import taylor_model
-from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.slip import NondimensionalOscillator
 
 PACKAGE = Path(ss.__file__).parent
 LAW = ss.laws.exponential.typical()
@@ -94,7 +94,7 @@ def check_lienard():
 def check_rates():
     """The rates of q and w are those of the equation of motion, in units."""
     osc, rng = paper_oscillator(1.3), np.random.default_rng(8)
-    system = Dimensionless.of(LAW.bound, osc)
+    system = NondimensionalOscillator.of(LAW.bound, osc)
     for q, w, side in zip(rng.normal(size=9), rng.uniform(0.1, 3, 9), (1, -1, 1) * 3, strict=True):
         x, v = osc.onset(LAW) + osc.length * q, osc.V * (1 - side * w)
         force = side * osc.N * LAW.mu(osc.V * w)

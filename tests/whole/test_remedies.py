@@ -95,7 +95,7 @@ REMEDIES = {
         lambda: ss.enclose(AT_ONCE, **AT).certificate(), "derive(law).certificate()",
         lambda: ss.derive(AT_ONCE).certificate(), None),
     "takes too many steps: friction is too strong": (
-        lambda: damping.needed_damping(LAW, OSC).gap(1.5, 0.2), "simulate()",
+        lambda: damping.needed_damping(LAW, OSC).mismatch(1.5, 0.2), "simulate()",
         lambda: ss.simulate(LAW, OSC, t_end=1.0), None),
     "a threshold is proved for laws that are locally Lipschitz": (
         lambda: ss.pure_slip_damping(KINKED, **MACHINE, method="proof"), 'method="simulation"',
@@ -121,7 +121,7 @@ def test_what_is_advised_leads_on(words, monkeypatch):
     refused, advice, follow, _ = REMEDIES[words]
     if words.startswith("takes too many"):
         lost = SimpleNamespace(value=math.nan)
-        monkeypatch.setattr(damping, "gap_at", lambda *_, **__: lost)
+        monkeypatch.setattr(damping, "velocity_mismatch_at", lambda *_, **__: lost)
     with pytest.raises(StickSlipError) as raised:
         refused()
     monkeypatch.undo()

@@ -54,8 +54,9 @@ def jumping():
 
 
 COMPUTING = [  # of motions, orbits, thresholds, averages, closed forms and fits
-    (slip, "follow"), (needed, "follow"), (slip, "_follow_all"), (needed, "needed_all"), (needed, "gaps_all"),
-    (methods, "ask"), (methods, "good_enough"), (orbit, "orbits"), (SlopeAverage, "_total"),
+    (slip, "follow"), (needed, "follow"), (slip, "_follow_all"), (needed, "search_damping_ratios"),
+    (needed, "velocity_mismatches"),
+    (methods, "evaluate"), (methods, "good_enough"), (orbit, "orbits"), (SlopeAverage, "_total"),
     (least_squares.Problem, "minimum"), (Average, "find"), (basins, "shares_by_area"), (law, "slope_of"),
 ]  # fmt: skip
 

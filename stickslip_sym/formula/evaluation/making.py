@@ -53,7 +53,16 @@ from stickslip_sym.model.expression.pieces import branch_from, kinks_at
 from stickslip_sym.model.taylor_model import NotAnalytic
 from stickslip_sym.numerics.chebyshev import ball_grid
 from stickslip_sym.numerics.known import Unknown, attempted
-from stickslip_sym.numerics.subdivide import HALVE, Accept, Budget, Decision, Interval, Limits, middle, subdivide
+from stickslip_sym.numerics.subdivide import (
+    HALVE,
+    Accept,
+    Decision,
+    DivisionLimits,
+    Interval,
+    WorkBudget,
+    middle,
+    subdivide,
+)
 
 # What each is worth, in seconds, panels and digits, `tests/benchmarks/measure_branches.py` prints.
 _EPSILON = float(np.finfo(np.float64).eps)
@@ -174,7 +183,7 @@ class _Builder:
         self.corners = {float(r): r for r in (kink / (1 if self.local else 2) for kink in self.values.kinks)}
         lowest, highest = scales_of(profile, point)
         self.lowest, self.highest = min([lowest, *self.corners]), max([highest, *self.corners])
-        self.panels = Budget(_PANELS)
+        self.panels = WorkBudget(_PANELS)
         self.decay = decay_at_rest(self.values.parts[0], point)
 
     def build(self) -> Branches | Unknown:
@@ -386,7 +395,7 @@ class _Builder:
             return float(origin + middle(math.sqrt(low - origin), math.sqrt(high - origin)) ** 2)
 
         cut = middle if origin is None else middle_in_root
-        limits = Limits(self.panels, halvings=halvings)
+        limits = DivisionLimits(self.panels, halvings=halvings)
         return subdivide([(left, right)], look, limits=limits, cut=cut, to_first_open=True).complete()
 
     def _panel(self, left: float, right: float, origin: float | None) -> Decision[list[float], None]:

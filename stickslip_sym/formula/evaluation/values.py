@@ -36,10 +36,10 @@ from stickslip_sym.numerics.known import Unknown, required
 from stickslip_sym.numerics.subdivide import (
     HALVE,
     Accept,
-    Budget,
     Decision,
+    DivisionLimits,
     Interval,
-    Limits,
+    WorkBudget,
     boundary,
     exact_middle,
     shown,
@@ -262,7 +262,7 @@ class Values:
         def look(intervals: Sequence[Interval[arb, None]]) -> list[Decision[_Piece, None]]:
             return [self._polynomial(one.low, one.high, below) for one in intervals]
 
-        limits = Limits(Budget(_MOST_PIECES))
+        limits = DivisionLimits(WorkBudget(_MOST_PIECES))
         return subdivide([(low, high)], look, limits=limits, cut=exact_middle, to_first_open=True).complete()
 
     def _polynomial(self, low: arb, high: arb, below: arb) -> Decision[_Piece, None]:

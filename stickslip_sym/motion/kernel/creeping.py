@@ -27,7 +27,7 @@ def creeps(rise: Rise, field: Field, q: float, w: float) -> bool:
     low, high = min(w, 1.0), max(w, 1.0)
     x, at_rest = w - 1.0, field.eta * standing(rise.pieces, w > 1.0)
     displacement = q + field.push - field.damping - at_rest
-    if displacement * x <= 0.0 or high > rise.levels[-1] or _jumps(rise, low, high):
+    if displacement * x <= 0.0 or high > rise.levels[-1] or _is_jump_between(rise, low, high):
         return False
     least, most = slope_bounds(rise, low, high)
     K = field.damping + min(field.eta * least, field.eta * most)
@@ -35,7 +35,7 @@ def creeps(rise: Rise, field: Field, q: float, w: float) -> bool:
 
 
 @compilable
-def _jumps(rise: Rise, low: float, high: float) -> bool:
+def _is_jump_between(rise: Rise, low: float, high: float) -> bool:
     """Whether the law jumps between two slip speeds."""
     jumps = False
     for i in range(len(rise.jumps)):

@@ -11,8 +11,8 @@ from stickslip_sym.model.table import Pieces, Rise
 from stickslip_sym.motion.compiled import compilable
 
 
-class End(IntEnum):
-    """Why a slip ended, or the search for the damping that an orbit needs."""
+class SlipEnd(IntEnum):
+    """Why a slip ended."""
 
     OPEN = -1  # it did not
     RETURN = 0  # w came down to 0, where the mass sticks, or may not pass the belt's speed once more
@@ -25,8 +25,6 @@ class End(IntEnum):
     OUTSIDE = 7  # w came to where the table of the law ends
     FAILED = 8  # no step is short enough for the tolerance, or no number of them
     LATE = 9  # the time of a `time_limit` was up
-    CLOSED = 10  # the orbit closes at the damping that was sought
-    NEVER = 11  # no damping closes the orbit
 
 
 class Field(NamedTuple):
@@ -78,7 +76,7 @@ def no_wedge(rise: Rise) -> Wedge:
     return Wedge(0.0, 0.0, 0.0, rise.pieces, np.zeros(len(rise.jumps)), False)
 
 
-class State(NamedTuple):
+class SlipState(NamedTuple):
     """A motion at one time tau: the displacement, the slip speed, its side and its rate w', and the wedge D."""
 
     tau: float
@@ -92,7 +90,7 @@ class State(NamedTuple):
 class Stop(NamedTuple):
     """Where a slip ends, besides where the mass sticks.
 
-    - `until`: the number of one more `End` at which it stops: a minimum, a maximum or a level of w.
+    - `until`: the number of one more `SlipEnd` at which it stops: a minimum, a maximum or a level of w.
     - `level`: of w, at which a step ends in any case.
     - `horizon`: tau at which to stop.
     - `most`: how many steps it may take.
@@ -121,7 +119,7 @@ class Extent(NamedTuple):
     u_most: float
 
 
-class Step(NamedTuple):
+class SlipStep(NamedTuple):
     """One step of a slip: its begin, its length in tau, and how it was taken.
 
     - `rate`: w' at the begin.
@@ -141,10 +139,10 @@ class Step(NamedTuple):
 class Run(NamedTuple):
     """A slip that was followed: why it ended, the state there, how far it went, its steps where recorded."""
 
-    end: End
-    state: State
+    end: SlipEnd
+    state: SlipState
     extent: Extent
-    steps: list[Step]
+    steps: list[SlipStep]
 
 
 class Trial(NamedTuple):

@@ -3,7 +3,7 @@
 import math
 
 from stickslip_sym.motion.compiled import compilable, inlined
-from stickslip_sym.motion.kernel.data import ULP, Branch, End, Field, State, Trial, Wedge
+from stickslip_sym.motion.kernel.data import ULP, Branch, Field, SlipEnd, SlipState, Trial, Wedge
 from stickslip_sym.motion.kernel.forces import bend_at, of_wedge, rate_at
 from stickslip_sym.motion.kernel.steps import stepped
 
@@ -14,25 +14,25 @@ _CLOSE = 0.1  # of a step, times rtol^(1/3), over which a power series of three 
 
 @inlined
 def land(
-    branch: Branch, field: Field, state: State, trial: Trial, rising: bool, border: float, level: float,
+    branch: Branch, field: Field, state: SlipState, trial: Trial, rising: bool, border: float, level: float,
     implicit: bool, rtol: float, wedge: Wedge,
-) -> tuple[End, Trial]:  # fmt: skip
+) -> tuple[SlipEnd, Trial]:  # fmt: skip
     """Let a step end where w turns, or comes to a level before, and return which of them it is, and the step.
 
     - `border`: of the segment of the law, a level as `level` is.
     """
-    event, w, ahead = End.OPEN, state.w, 1.0 if rising else -1.0
+    event, w, ahead = SlipEnd.OPEN, state.w, 1.0 if rising else -1.0
     # Where w' changes its sign there is an extremum if w'' = side - w has the sign for it; else it is rounding,
     # or the error of an implicit step.
     slowest = rtol ** (2.0 / 3.0) * max(1.0, abs(state.rate)) if implicit else 0.0
     turns = trial.rate < -slowest if rising else trial.rate > slowest
     if turns and (trial.w > field.side) == rising:
-        event = End.MAXIMUM if rising else End.MINIMUM
+        event = SlipEnd.MAXIMUM if rising else SlipEnd.MINIMUM
         trial = _located(implicit, branch, field, state, trial, rtol, wedge, math.nan, ahead)
     inner = (w < level < border) if rising else (border < level < w)
     target = level if inner else border
     if (trial.w >= target) if rising else (trial.w <= target):
-        event = End.LEVEL
+        event = SlipEnd.LEVEL
         if trial.w != target:
             trial = _located(implicit, branch, field, state, trial, rtol, wedge, target, -ahead)
         rate = rate_at(branch, field, trial.q, target)
@@ -42,7 +42,7 @@ def land(
 
 @compilable
 def _located(
-    implicit: bool, branch: Branch, field: Field, state: State, beyond: Trial, rtol: float, wedge: Wedge,
+    implicit: bool, branch: Branch, field: Field, state: SlipState, beyond: Trial, rtol: float, wedge: Wedge,
     level: float, sign: float,
 ) -> Trial:  # fmt: skip
     """Return the step that ends at a level of w, or, if that is NaN, at an extremum.

@@ -10,13 +10,13 @@ from stickslip_sym.motion.kernel.data import (
     PRECISE,
     ULP,
     Branch,
-    End,
     Extent,
     Field,
     Pace,
     Run,
-    State,
-    Step,
+    SlipEnd,
+    SlipState,
+    SlipStep,
     Stop,
     Trial,
     Wedge,
@@ -24,7 +24,7 @@ from stickslip_sym.motion.kernel.data import (
 from stickslip_sym.motion.kernel.events import land
 from stickslip_sym.motion.kernel.forces import (
     entered,
-    interval,
+    interval_number,
     rate_at,
     rise_at,
     slope_at,
@@ -48,43 +48,43 @@ _CREEP = 2.0  # decay of w from which a deviation from rest has real exponents
 
 @compilable
 def follow(
-    rise: Rise, field: Field, hold: float, begin: State, stop: Stop, wedge: Wedge, rtol: float, recorded: bool
+    rise: Rise, field: Field, hold: float, begin: SlipState, stop: Stop, wedge: Wedge, rtol: float, recorded: bool
 ) -> Run:
     """Follow slip from a state at tau = 0, whose side is that of the field; its rate is not read.
 
     - `hold`: 2 eta mu_static, the width in q of the range where static friction holds the mass.
     - `recorded`: keep the steps.
     """
-    steps = [Step(0.0, 0.0, 0.0, 0.0, 0.0, 0, False)]
+    steps = [SlipStep(0.0, 0.0, 0.0, 0.0, 0.0, 0, False)]
     steps.pop()
     q, u, farthest = begin.q, begin.side * begin.w, rise.levels[-1]
     taken, passed, q_least, q_most, u_least, u_most = 0, 0, q, q, u, u
     if not (begin.w <= farthest and abs(q) < math.inf):
-        return Run(End.OUTSIDE, begin, Extent(taken, passed, q, q, u, u), steps)
+        return Run(SlipEnd.OUTSIDE, begin, Extent(taken, passed, q, q, u, u), steps)
     segment, rising, state = _begun(rise, field, begin)
     branch = entered(rise, segment, True, state.w)
     pace = _first_pace(field, state, rtol)
     at_kink = not rising and segment > 0 and state.w == rise.levels[segment]  # it leaves downward
     close = _BESIDE + _REST_WITHIN * rtol
-    end = End.OPEN
-    while end == End.OPEN:
+    end = SlipEnd.OPEN
+    while end == SlipEnd.OPEN:
         if at_kink:
             at_kink = False
             before = state
             end, segment, rising, state, slide = _enter(rise, field, state, segment, rising, stop, wedge)
             if slide > -1.0:
                 if recorded:
-                    steps.append(Step(before.tau, before.q, before.w, 0.0, slide, -1, False))
+                    steps.append(SlipStep(before.tau, before.q, before.w, 0.0, slide, -1, False))
                 taken, q_least, q_most = taken + 1, min(q_least, state.q), max(q_most, state.q)
-            if end != End.OPEN:
+            if end != SlipEnd.OPEN:
                 break
             branch = entered(rise, segment, rising, state.w)
             state = _at_rate(state, rate_at(branch, field, state.q, state.w))
         end = _interruption(state.tau, taken, stop)
         is_asked = taken % _LOOK == _LOOK - 1 and field.side > 0.0 and not recorded
         if is_asked and stop.horizon == math.inf and creeps(rise, field, state.q, state.w):
-            end = End.REST
-        if end != End.OPEN:
+            end = SlipEnd.REST
+        if end != SlipEnd.OPEN:
             break
         border = rise.levels[segment + 1] if rising else rise.levels[segment]
         longest = stop.horizon - state.tau
@@ -93,52 +93,52 @@ def follow(
         trial, pace = _advance(branch, field, state, pace, longest, rtol, wedge)
         shortest = _SHORTEST * max(state.tau, 1.0)
         if pace.again:
-            end = End.FAILED if trial.length <= shortest else End.OPEN
+            end = SlipEnd.FAILED if trial.length <= shortest else SlipEnd.OPEN
             continue
         event, trial = land(branch, field, state, trial, rising, border, stop.level, pace.implicit, rtol, wedge)
-        if event != End.OPEN and not trial.error < 1.0 and trial.length > shortest:
+        if event != SlipEnd.OPEN and not trial.error < 1.0 and trial.length > shortest:
             pace = _shortened(pace, trial)
             continue
         if recorded:
-            steps.append(Step(state.tau, state.q, state.w, state.rate, trial.length, segment, pace.implicit))
-        is_over = event == End.OPEN and pace.tried == stop.horizon - state.tau
+            steps.append(SlipStep(state.tau, state.q, state.w, state.rate, trial.length, segment, pace.implicit))
+        is_over = event == SlipEnd.OPEN and pace.tried == stop.horizon - state.tau
         tau = stop.horizon if is_over else state.tau + trial.length
-        state = State(tau, trial.q, trial.w, field.side, trial.rate, trial.wedge)
+        state = SlipState(tau, trial.q, trial.w, field.side, trial.rate, trial.wedge)
         taken, u = taken + 1, field.side * trial.w
         q_least, q_most = min(q_least, trial.q), max(q_most, trial.q)
         u_least, u_most = min(u_least, u), max(u_most, u)
-        near = interval(branch.pieces, branch.first, branch.last, branch.near, trial.w)
+        near = interval_number(branch.pieces, branch.first, branch.last, branch.near, trial.w)
         if near != branch.near:
             branch = Branch(branch.pieces, branch.first, branch.last, near)
-        may_rest = abs(trial.w - 1.0) <= close and event in (End.OPEN, End.LEVEL)
-        ends_at = End.OPEN
+        may_rest = abs(trial.w - 1.0) <= close and event in (SlipEnd.OPEN, SlipEnd.LEVEL)
+        ends_at = SlipEnd.OPEN
         if may_rest:
             ends_at = _beside_rest(rise, field, state, rising, rtol)
-        if ends_at == End.REST:
-            end = End.REST
-        elif ends_at == End.LEVEL:
+        if ends_at == SlipEnd.REST:
+            end = SlipEnd.REST
+        elif ends_at == SlipEnd.LEVEL:
             at_kink, state = True, _on_jump(rise, field, state, rising, wedge)
-            if stop.until == End.LEVEL and stop.level == 1.0:
-                end = End.LEVEL
-        elif event == End.LEVEL:
+            if stop.until == SlipEnd.LEVEL and stop.level == 1.0:
+                end = SlipEnd.LEVEL
+        elif event == SlipEnd.LEVEL:
             at_kink = state.w == border and border > 0.0
             if state.w == 0.0 and (passed == stop.passes or -hold <= state.q <= 0.0):
-                end = End.RETURN
+                end = SlipEnd.RETURN
             elif state.w == 0.0:
                 field, state = _cross(branch, field, hold, state)
                 passed, rising = passed + 1, True
             elif state.w == farthest:
-                end = End.OUTSIDE
-            elif stop.until == End.LEVEL and state.w == stop.level:
-                end = End.LEVEL
-        elif event != End.OPEN:
+                end = SlipEnd.OUTSIDE
+            elif stop.until == SlipEnd.LEVEL and state.w == stop.level:
+                end = SlipEnd.LEVEL
+        elif event != SlipEnd.OPEN:
             rising, state = not rising, _at_rate(state, 0.0)
-            end = event if stop.until == event else End.OPEN
+            end = event if stop.until == event else SlipEnd.OPEN
     return Run(end, state, Extent(taken, passed, q_least, q_most, u_least, u_most), steps)
 
 
 @compilable
-def _begun(rise: Rise, field: Field, begin: State) -> tuple[int, bool, State]:
+def _begun(rise: Rise, field: Field, begin: SlipState) -> tuple[int, bool, SlipState]:
     """Return the segment of the law in which a slip begins, whether w rises there, and the state with its rate."""
     w, segment = begin.w, 0
     while segment + 2 < len(rise.levels) and w >= rise.levels[segment + 1]:
@@ -152,7 +152,7 @@ def _begun(rise: Rise, field: Field, begin: State) -> tuple[int, bool, State]:
 
 
 @compilable
-def _first_pace(field: Field, state: State, rtol: float) -> Pace:
+def _first_pace(field: Field, state: SlipState, rtol: float) -> Pace:
     """Return the pace of a slip that begins."""
     fastest = max(1.0, max(abs(1.0 - field.side * state.w), abs(state.rate)))
     length = min(3.0 * rtol**0.125 / fastest, _LONGEST_STEP)
@@ -160,21 +160,21 @@ def _first_pace(field: Field, state: State, rtol: float) -> Pace:
 
 
 @compilable
-def _interruption(tau: float, taken: int, stop: Stop) -> End:
+def _interruption(tau: float, taken: int, stop: Stop) -> SlipEnd:
     """Return why a slip is not followed further, or that it is."""
-    end = End.OPEN
+    end = SlipEnd.OPEN
     if tau >= stop.horizon:
-        end = End.HORIZON
+        end = SlipEnd.HORIZON
     elif taken >= stop.most:
-        end = End.STEPS
+        end = SlipEnd.STEPS
     elif taken % _LOOK == 0 and is_late():
-        end = End.LATE
+        end = SlipEnd.LATE
     return end
 
 
 @inlined
 def _advance(
-    branch: Branch, field: Field, state: State, pace: Pace, longest: float, rtol: float, wedge: Wedge
+    branch: Branch, field: Field, state: SlipState, pace: Pace, longest: float, rtol: float, wedge: Wedge
 ) -> tuple[Trial, Pace]:
     """Try a step of the kind and the length that the steps before it say, and return it with the pace after it.
 
@@ -212,18 +212,18 @@ def _shortened(pace: Pace, trial: Trial) -> Pace:
 
 
 @compilable
-def _cross(branch: Branch, field: Field, hold: float, state: State) -> tuple[Field, State]:
+def _cross(branch: Branch, field: Field, hold: float, state: SlipState) -> tuple[Field, SlipState]:
     """Return the forces and the state beyond the belt's speed: friction turns, and D changes as w' does."""
     side = 1.0 if state.q > 0.0 else -1.0
     field = Field(field.eta, field.push + 0.5 * (side - field.side) * hold, side, field.damping)
     rate = rate_at(branch, field, state.q, state.w)
-    return field, State(state.tau, state.q, state.w, side, rate, state.wedge * rate / state.rate)
+    return field, SlipState(state.tau, state.q, state.w, side, rate, state.wedge * rate / state.rate)
 
 
 @compilable
 def _enter(
-    rise: Rise, field: Field, state: State, segment: int, rising: bool, stop: Stop, wedge: Wedge
-) -> tuple[End, int, bool, State, float]:
+    rise: Rise, field: Field, state: SlipState, segment: int, rising: bool, stop: Stop, wedge: Wedge
+) -> tuple[SlipEnd, int, bool, SlipState, float]:
     """Let a mass pass the kink between two segments of the law, or slide where mu jumps there.
 
     Returns the end if it is one, the segment beyond, whether w rises there, the state, and how long the mass
@@ -232,13 +232,13 @@ def _enter(
     beyond = segment + 1 if rising else segment - 1
     upper = max(segment, beyond)
     across = rate_at(entered(rise, beyond, rising, state.w), field, state.q, state.w)
-    end, slide = End.OPEN, -1.0
+    end, slide = SlipEnd.OPEN, -1.0
     if (across >= 0.0) == rising or rise.jumps[upper] == 0.0:
         segment = beyond
         if wedge.wanted and rise.jumps[upper] != 0.0:
             state = _through(field, state, across, wedge.shifts[upper])
     elif field.side * state.w == 1.0:
-        end, state = End.REST, _at_rate(state, 0.0)
+        end, state = SlipEnd.REST, _at_rate(state, 0.0)
     else:
         turn, segment, rising, slide = _slide(rise, field, state, upper, rising, stop.horizon)
         state = _slid(field, state, slide, wedge.shifts[upper])
@@ -248,18 +248,18 @@ def _enter(
 
 
 @compilable
-def _through(field: Field, state: State, across: float, shift: float) -> State:
+def _through(field: Field, state: SlipState, across: float, shift: float) -> SlipState:
     """Return the state beyond a jump of mu, where w' is `across`; `shift` is that of the jump with p."""
     moved, D = shift * (1.0 - field.side * state.w), state.wedge
     if state.rate != 0.0:
         D = moved + (D - moved) * across / state.rate
-    return State(state.tau, state.q, state.w, state.side, state.rate, D)
+    return SlipState(state.tau, state.q, state.w, state.side, state.rate, D)
 
 
 @compilable
 def _slide(
-    rise: Rise, field: Field, state: State, upper: int, came_rising: bool, horizon: float
-) -> tuple[End, int, bool, float]:
+    rise: Rise, field: Field, state: SlipState, upper: int, came_rising: bool, horizon: float
+) -> tuple[SlipEnd, int, bool, float]:
     """Find where a mass leaves a jump of mu at which it slides, since the rates on both sides lead to the jump.
 
     It does so when the rate on the side that it leaves to turns.
@@ -274,27 +274,27 @@ def _slide(
     segment = upper if rising else upper - 1
     turning = rate_at(entered(rise, segment, rising, state.w), field, state.q, state.w)
     length = min(horizon - state.tau, max(0.0, -turning / speed))
-    turn = End.OPEN
+    turn = SlipEnd.OPEN
     if rising != came_rising:
-        turn = End.MINIMUM if rising else End.MAXIMUM
+        turn = SlipEnd.MINIMUM if rising else SlipEnd.MAXIMUM
     return turn, segment, rising, length
 
 
 @compilable
-def _slid(field: Field, state: State, length: float, shift: float) -> State:
+def _slid(field: Field, state: SlipState, length: float, shift: float) -> SlipState:
     """Return the state after a slide at a jump of mu, the motions beside it lying on it."""
     speed = 1.0 - field.side * state.w
-    return State(state.tau + length, state.q + length * speed, state.w, state.side, 0.0, shift * speed)
+    return SlipState(state.tau + length, state.q + length * speed, state.w, state.side, 0.0, shift * speed)
 
 
 @compilable
-def _at_rate(state: State, rate: float) -> State:
+def _at_rate(state: SlipState, rate: float) -> SlipState:
     """Return a state with its rate."""
-    return State(state.tau, state.q, state.w, state.side, rate, state.wedge)
+    return SlipState(state.tau, state.q, state.w, state.side, rate, state.wedge)
 
 
 @compilable
-def _beside_rest(rise: Rise, field: Field, state: State, rising: bool, rtol: float) -> End:
+def _beside_rest(rise: Rise, field: Field, state: SlipState, rising: bool, rtol: float) -> SlipEnd:
     """Return whether a mass with w near 1 is at rest within the tolerance, and stays there: `REST`.
 
     Where two segments of the law meet at rest without a jump, a motion may come to it in swings over both, where
@@ -304,7 +304,7 @@ def _beside_rest(rise: Rise, field: Field, state: State, rising: bool, rtol: flo
     eta, push, side, damping = field
     q, w, pieces = state.q, state.w, rise.pieces
     if side < 0.0 or rise.levels[-1] <= 1.0 + _BESIDE:
-        return End.OPEN
+        return SlipEnd.OPEN
     above, below = eta * standing(pieces, True), eta * standing(pieces, False)
     faster = eta * slope_standing(pieces, True) + damping
     slower = eta * slope_standing(pieces, False) + damping
@@ -319,15 +319,15 @@ def _beside_rest(rise: Rise, field: Field, state: State, rising: bool, rtol: flo
         noise *= AMPLIFIED / fastest
     close = _REST_WITHIN * (rtol + noise)
     if abs(w - 1.0) > close or abs(q - rest) > close * max(1.0, abs(rest)):
-        return End.OPEN
+        return SlipEnd.OPEN
     if decay >= _CREEP or (above == below and faster + slower > 0.0):
-        return End.REST
+        return SlipEnd.REST
     comes = w != 1.0 and decay > 0.0 and is_slower == rising
-    return End.LEVEL if above != below and comes else End.OPEN
+    return SlipEnd.LEVEL if above != below and comes else SlipEnd.OPEN
 
 
 @compilable
-def _on_jump(rise: Rise, field: Field, state: State, rising: bool, wedge: Wedge) -> State:
+def _on_jump(rise: Rise, field: Field, state: SlipState, rising: bool, wedge: Wedge) -> SlipState:
     """Return the state where mu jumps at w = 1 of a mass that is at rest there but for rounding.
 
     Its displacement is that of rest on the side from which it came, and so is how that changes: dq/dp = -dw'/dp.
@@ -338,4 +338,4 @@ def _on_jump(rise: Rise, field: Field, state: State, rising: bool, wedge: Wedge)
     change = wedge.constant + wedge.linear
     if wedge.factor != 0.0:
         change += wedge.factor * standing(wedge.pieces, not below)
-    return State(state.tau, q, 1.0, state.side, rate, rate * change)
+    return SlipState(state.tau, q, 1.0, state.side, rate, rate * change)

@@ -12,7 +12,7 @@ _BEYOND_SQUARED = _BEYOND * _BEYOND
 
 
 @compilable
-def interval(pieces: Any, first: int, last: int, near: int, w: float) -> int:
+def interval_number(pieces: Any, first: int, last: int, near: int, w: float) -> int:
     """Return the number of the interval of w among those from first to last; it is likely to be near."""
     if pieces[near][0] <= w and (near == last or w < pieces[near + 1][0]):
         return near
@@ -30,7 +30,9 @@ def interval(pieces: Any, first: int, last: int, near: int, w: float) -> int:
 def entered(rise: Rise, segment: int, rising: bool, w: float) -> Branch:
     """Return the law on a segment that is entered at w, from below if w rises."""
     first, last = rise.firsts[segment], rise.firsts[segment + 1] - 1
-    return Branch(rise.pieces, first, last, interval(rise.pieces, first, last, first if rising else last, w))
+    return Branch(
+        rise.pieces, first, last, interval_number(rise.pieces, first, last, first if rising else last, w)
+    )
 
 
 @inlined
@@ -39,7 +41,7 @@ def rate_at(branch: Branch, field: Field, q: float, w: float) -> float:
     pieces, first, last, near = branch
     eta, push, side, damping = field
     if w < pieces[near][0] or (near < last and w >= pieces[near + 1][0]):  # seldom: most calls are saved
-        near = interval(pieces, first, last, near, w)
+        near = interval_number(pieces, first, last, near, w)
     c = pieces[near]
     t = (w - c[1]) * c[2]
     t2 = t * t
@@ -63,19 +65,19 @@ def rise_at(branch: Branch, w: float) -> float:
 @compilable
 def standing(pieces: Pieces, above: bool) -> float:
     """Return a rise where the mass stands still, w = 1: its limit from slip speeds above, or from below."""
-    return rise_at(_at_rest(pieces, above), 1.0)
+    return rise_at(_interval_at_rest(pieces, above), 1.0)
 
 
 @compilable
 def slope_standing(pieces: Pieces, above: bool) -> float:
     """Return the derivative of the rise there, on one side."""
-    return slope_at(_at_rest(pieces, above), 1.0)
+    return slope_at(_interval_at_rest(pieces, above), 1.0)
 
 
 @compilable
-def _at_rest(pieces: Pieces, above: bool) -> Branch:
+def _interval_at_rest(pieces: Pieces, above: bool) -> Branch:
     """Return the interval of slip speeds that begins, or ends, with w = 1, or holds it."""
-    at = interval(pieces, 0, len(pieces) - 1, 0, 1.0)
+    at = interval_number(pieces, 0, len(pieces) - 1, 0, 1.0)
     if not above and at > 0 and pieces[at][0] == 1.0:
         at -= 1
     return Branch(pieces, at, at, at)
@@ -85,7 +87,7 @@ def _at_rest(pieces: Pieces, above: bool) -> Branch:
 def slope_at(branch: Branch, w: float) -> float:
     """Return the derivative of the rise by w."""
     pieces, first, last, near = branch
-    c = pieces[interval(pieces, first, last, near, w)]
+    c = pieces[interval_number(pieces, first, last, near, w)]
     t = (w - c[1]) * c[2]
     if abs(t) > _BEYOND:
         return 0.0

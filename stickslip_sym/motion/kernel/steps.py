@@ -5,7 +5,7 @@ import math
 from scipy.integrate import DOP853
 
 from stickslip_sym.motion.compiled import compilable, inlined
-from stickslip_sym.motion.kernel.data import ULP, Branch, Field, State, Trial, Wedge
+from stickslip_sym.motion.kernel.data import ULP, Branch, Field, SlipState, Trial, Wedge
 from stickslip_sym.motion.kernel.forces import of_wedge, rate_at, rise_at, slope_at
 
 _SMALL = 0.01  # states below count as that large in an error: less than order 1, since events are where w is 0
@@ -31,7 +31,7 @@ _F1, _, _, _, _, _F6, _F7, _F8, _F9, _F10, _F11, _F12 = _F
 
 @inlined
 def stepped(
-    implicit: bool, branch: Branch, field: Field, state: State, h: float, rtol: float, wedge: Wedge
+    implicit: bool, branch: Branch, field: Field, state: SlipState, h: float, rtol: float, wedge: Wedge
 ) -> Trial:
     """Try a step of length h."""
     if implicit:
@@ -40,7 +40,7 @@ def stepped(
 
 
 @compilable
-def _explicit(branch: Branch, field: Field, state: State, h: float, rtol: float, wedge: Wedge) -> Trial:
+def _explicit(branch: Branch, field: Field, state: SlipState, h: float, rtol: float, wedge: Wedge) -> Trial:
     """Try a step of DOP853."""
     side, q, w, r1 = field.side, state.q, state.w, state.rate
     p1 = 1.0 - side * w
@@ -106,7 +106,7 @@ def _explicit(branch: Branch, field: Field, state: State, h: float, rtol: float,
 
 
 @compilable
-def _implicit(branch: Branch, field: Field, state: State, h: float, rtol: float, wedge: Wedge) -> Trial:
+def _implicit(branch: Branch, field: Field, state: SlipState, h: float, rtol: float, wedge: Wedge) -> Trial:
     """Try a step of the extrapolated linearly implicit Euler method."""
     eta, push, side, damping = field
     q, w = state.q, state.w

@@ -67,7 +67,7 @@ class BasinMap(CellMap):
     Attributes
     ----------
     axes, law, fixed
-        As for `Table`: x0 in m and v0 in m/s, and the oscillator's quantities.
+        As for `ResultsOverAxes`: x0 in m and v0 in m/s, and the oscillator's quantities.
     motion : numpy.ndarray of Motion
         A row for each v0, a column for each x0.
     regime : Regime

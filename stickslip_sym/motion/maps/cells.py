@@ -26,15 +26,15 @@ from stickslip_sym.core.numbers import SAME
 from stickslip_sym.criteria.criterion import least_squares
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.kernel.data import ADDED, End
+from stickslip_sym.motion.kernel.data import ADDED, SlipEnd
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.damping import NEAREST, needed_damping, resolve_together
-from stickslip_sym.motion.orbits.needed import SIGNS, needed_all
+from stickslip_sym.motion.orbits.needed import SIGNS, SearchEnd, search_damping_ratios
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
 from stickslip_sym.motion.regimes.overtaking import reaches, rounds_outside
 from stickslip_sym.motion.regimes.regime import kept_regime
-from stickslip_sym.motion.slip import Dimensionless, RoundEnds
+from stickslip_sym.motion.slip import NondimensionalOscillator, RoundEnds
 from stickslip_sym.motion.thresholds.averages import slope_mean
 
 LATE = "not reached: time limit, or Ctrl-C"
@@ -136,7 +136,7 @@ class _Decider:
         self, law: FrictionLaw, V: float, points: Mapping[str, FloatArray], rtol: float, seconds: float | None
     ) -> None:
         self.law, self.points, self.rtol, self.seconds = law, points, rtol, seconds
-        self.system = Dimensionless.of(law.bound, self._oscillator(V, 0))
+        self.system = NondimensionalOscillator.of(law.bound, self._oscillator(V, 0))
         self.table, self.N = self.system.table, points["N"]
         impedance = np.sqrt(points["k"]) * np.sqrt(points["m"])
         self.eta = self.N / (V * impedance)
@@ -147,10 +147,10 @@ class _Decider:
         eta, oscillator = np.unique(self.eta, return_inverse=True)
         orbits = eta, eta * (self.table.static - self.table.onset), np.ones(eta.size)
         rows = np.empty((eta.size, 5))
-        self.system.spread(needed_all, orbits, (_CLOSE,), rows, few=0)
+        self.system.spread(search_damping_ratios, orbits, (_CLOSE,), rows, few=0)
         check_time()
         end, *ratios = rows[oscillator, :3].T
-        self.exact, self.error = np.where(end == End.CLOSED, ratios, math.nan)
+        self.exact, self.error = np.where(end == SearchEnd.CLOSED, ratios, math.nan)
 
     def _oscillator(self, V: float, i: int) -> Oscillator:
         return Oscillator(V=V, **{name: float(column[i]) for name, column in self.points.items()})
@@ -288,13 +288,13 @@ class _Decider:
         begin = 2 * zeta * w + eta * (self.table.onset + rise - self.table.static)
         slips = self.system.slips(
             begin.ravel(), np.tile(w, self.zeta.size), ratios=(np.repeat(self.eta, 2), np.repeat(self.zeta, 2)),
-            until=End.MINIMUM, rtol=SIGNS, few=0,
+            until=SlipEnd.MINIMUM, rtol=SIGNS, few=0,
         )  # fmt: skip
         check_time()
         end, least = slips.end.reshape(-1, 2), slips.w.reshape(-1, 2)
         growth = np.zeros(self.zeta.size, dtype=np.intp)
-        growth[(end[:, 0] == End.MINIMUM) & (1 - least[:, 0] <= NEAREST)] = -1
-        growth[np.isin(end[:, 1], (End.RETURN, End.OUTSIDE)) & (self.zeta < self.equilibrium)] = 1
+        growth[(end[:, 0] == SlipEnd.MINIMUM) & (1 - least[:, 0] <= NEAREST)] = -1
+        growth[np.isin(end[:, 1], (SlipEnd.RETURN, SlipEnd.OUTSIDE)) & (self.zeta < self.equilibrium)] = 1
         return growth
 
     def _follow(self, cells: Cells, i: int) -> None:

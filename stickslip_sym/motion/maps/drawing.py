@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
-from stickslip_sym.motion.maps.table import Table
+from stickslip_sym.motion.maps.table import ResultsOverAxes
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Region
 
@@ -47,7 +47,7 @@ def regions_of_motions() -> dict[Motion, Region]:
 
 
 @dataclass(frozen=True, repr=False)
-class CellMap(Table):
+class CellMap(ResultsOverAxes):
     """The motion of each cell of two axes; a kind of map says which regions its cells are in."""
 
     motion: ObjectArray
@@ -89,7 +89,7 @@ class CellMap(Table):
         )  # fmt: skip
         for i, kind in enumerate(kinds):
             if kind.hatch:
-                cells = _outline(x_edges, y_edges, place == i)
+                cells = _outline_of_cells(x_edges, y_edges, place == i)
                 ax.add_patch(PathPatch(cells, facecolor="none", edgecolor="black", hatch=kind.hatch, linewidth=0))
         xscale, yscale = ("log" if _is_logarithmic(axis.values) else "linear" for axis in self.axes)
         ax.set(xlabel=self.x.label, ylabel=self.y.label, xscale=xscale, yscale=yscale)
@@ -97,7 +97,7 @@ class CellMap(Table):
         return [Patch(**kind.look) for kind in kinds]
 
 
-def _outline(x_edges: FloatArray, y_edges: FloatArray, chosen: BoolArray) -> "Path":
+def _outline_of_cells(x_edges: FloatArray, y_edges: FloatArray, chosen: BoolArray) -> "Path":
     """Return the path round cells: a rectangle for each run of neighbours in a row."""
     from matplotlib.path import Path
 

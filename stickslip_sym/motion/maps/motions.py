@@ -39,7 +39,7 @@ class MotionMap(CellMap):
     Attributes
     ----------
     axes, law, fixed
-        As for `Table`; the axes are x and y too.
+        As for `ResultsOverAxes`; the axes are x and y too.
     motion : numpy.ndarray of Motion
         What becomes of a mass that starts at x = 0 with the belt's speed.
     attractors : dict of str to numpy.ndarray of bool

@@ -26,7 +26,7 @@ from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.kernel.data import TIGHT
 from stickslip_sym.motion.maps.basins import Share, shares_by_area
 from stickslip_sym.motion.maps.drawing import regions_of_motions
-from stickslip_sym.motion.maps.table import Axis, AxisValues, Table, placed, read_axis, read_values
+from stickslip_sym.motion.maps.table import Axis, AxisValues, ResultsOverAxes, placed, read_axis, read_values
 from stickslip_sym.motion.margins.critical import critical
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.damping import needed_damping
@@ -72,13 +72,13 @@ class Change(DataResult):
 
 
 @dataclass(frozen=True, repr=False)
-class BasinSweep(Table):
+class BasinSweep(ResultsOverAxes):
     """The shares of a box of initial conditions that lead to each motion, over one quantity.
 
     Attributes
     ----------
     axes, law, fixed
-        As for `Table`; the axis is x too.
+        As for `ResultsOverAxes`; the axis is x too.
     share, error : dict of Motion to numpy.ndarray
         As `BasinMap.share` has them; NaN where geometry does not settle the basins.
     changes : tuple of Change

@@ -1,4 +1,4 @@
-"""`Table`: results over one axis or two, as text, in notebooks, in files and in pictures; and its axes."""
+"""`ResultsOverAxes`: results over one axis or two, as text, in notebooks, files and pictures; and its axes."""
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
@@ -54,7 +54,7 @@ class Axis:
 
 
 @dataclass(frozen=True, repr=False)
-class Table(drawing.Drawn, TableResult):
+class ResultsOverAxes(drawing.Drawn, TableResult):
     """Results over one axis or two; a kind of results says what its columns, words and drawing are.
 
     Attributes

@@ -2,7 +2,8 @@
 
 An average that is a polynomial in the quantity gives all values as its roots. Otherwise the threshold becomes a
 resolved function of the quantity, and what passes c is sought where that does. There the sign of threshold minus c
-is that of the gap between both halves of the grazing orbit at c (`needed`): that takes one gap, a threshold some.
+is that of the mismatch between both halves of the grazing orbit at c (`search_damping_ratio`): that takes one
+mismatch, a threshold some.
 """
 
 from __future__ import annotations
@@ -34,13 +35,13 @@ from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.kernel.data import TIGHT, End
+from stickslip_sym.motion.kernel.data import TIGHT, SlipEnd
 from stickslip_sym.motion.orbits.damping import quick_speeds
-from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, STRONG, gap_at, needed_ratio
-from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, STRONG, orbit_damping_ratio, velocity_mismatch_at
+from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.motion.thresholds.averages import average, slope_mean
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, transit
-from stickslip_sym.motion.thresholds.methods import Method, MethodName, accuracy, ask, find_method, methods
+from stickslip_sym.motion.thresholds.methods import Method, MethodName, accuracy, evaluate, find_method, methods
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, of_oscillator
 from stickslip_sym.motion.thresholds.theorem import Search, checked_hypotheses
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
@@ -262,7 +263,7 @@ def critical(
         unit = (law.parameters[of].unit or "") if of in law.parameters else None
         if isinstance(within, list | tuple):
             within = [real(of, in_si(value, of, unit)) if isinstance(value, str) else value for value in within]
-        return _Search(law, of, numbers, find_method(method), rtol).found(_places(within))
+        return _Search(law, of, numbers, find_method(method), rtol).found(_read_places(within))
 
 
 def critical_damping(threshold: Threshold[float]) -> CriticalValues:
@@ -277,9 +278,9 @@ def critical_damping(threshold: Threshold[float]) -> CriticalValues:
 def excess(points: OperatingPoints, c: float, method: Method | None) -> float:
     """Return a number with the sign of threshold minus c at one operating point; NaN where there is none.
 
-    An average, or a method that does not converge, has a threshold of its own. For the others it is the gap of the
-    grazing orbit, cut at -1 and 1: infinite, with its sign, where a half does not come to w = 1. It is 0 where
-    rounding hides its sign.
+    An average, or a method that does not converge, has a threshold of its own. For the others it is the mismatch
+    of the grazing orbit, cut at -1 and 1: infinite, with its sign, where a half does not come to w = 1. It is 0
+    where rounding hides its sign.
     """
     deadline.check_time()
     try:
@@ -290,18 +291,18 @@ def excess(points: OperatingPoints, c: float, method: Method | None) -> float:
             )  # none where a slope overflows, as with huge exponents
             return float(points.N[0]) * (float(average(law, *weighted)[0]) if math.isnan(mean) else mean) - c
         if method is not None and not method.converges:
-            return float(ask(points, method, SIGNS)[0].value[0]) - c
-        system = Dimensionless.of(points.bound, points.oscillator(0, c))
+            return float(evaluate(points, method, SIGNS)[0].value[0]) - c
+        system = NondimensionalOscillator.of(points.bound, points.oscillator(0, c))
     except NO_RESULT:
         return math.nan
-    gap = gap_at(system, 1.0, rtol=SIGNS)
-    if gap.leaves and math.isfinite(system.w_max):
+    mismatch = velocity_mismatch_at(system, 1.0, rtol=SIGNS)
+    if mismatch.leaves and math.isfinite(system.w_max):
         return math.nan
-    is_sure = math.isinf(gap.value) or abs(gap.value) > gap.rounding
-    return min(max(float(gap.value), -1.0), 1.0) if is_sure else 0.0
+    is_sure = math.isinf(mismatch.value) or abs(mismatch.value) > mismatch.rounding
+    return min(max(float(mismatch.value), -1.0), 1.0) if is_sure else 0.0
 
 
-def _places(within: Sequence[float | str] | None) -> FloatArray | None:
+def _read_places(within: Sequence[float | str] | None) -> FloatArray | None:
     """Read at which places a value is sought; None where that is not said."""
     if within is None:
         return None
@@ -461,11 +462,11 @@ class _Search:
                     value[lost] = some.N * average(some.law, self.criterion, some.V)
                 return value, SAME * points.slope_scale
             if self.method is not None and not self.method.converges:
-                value = ask(points, self.method, SIGNS)[0].value
+                value = evaluate(points, self.method, SIGNS)[0].value
                 return value, SAME * points.slope_scale
             value, error = none.copy(), np.full(len(points), np.inf)
             if sketch and len(points) > 1 and points.obstacle is None:
-                computed, _ = ask(points, methods()["second_order"], _CLOSE)
+                computed, _ = evaluate(points, methods()["second_order"], _CLOSE)
                 value, error = computed.value, computed.relative_error * points.error_base(computed.value)
             far = ~(error <= (_DISTANT * np.abs(value - self.c) if sketch else 0.0))
             rows = np.flatnonzero(far).tolist()
@@ -480,7 +481,7 @@ class _Search:
 
     def _by_slip(self, points: OperatingPoints, row: int, sketch: bool, count: int) -> tuple[float, float]:
         """Return a threshold, the first of some, by the slip from P."""
-        system = Dimensionless.of(points.bound, points.oscillator(row))
+        system = NondimensionalOscillator.of(points.bound, points.oscillator(row))
         unit = 2 * float(points.impedance[row])
         self.work += _STIFFER if abs(system.eta) > STRONG else 1
         fast = self.work + count > _FEW
@@ -491,7 +492,7 @@ class _Search:
                 return math.nan, math.nan
             zeta, error = ratio
         else:
-            zeta, error = needed_ratio(system, rtol=_CLOSE, fast=fast)
+            zeta, error = orbit_damping_ratio(system, rtol=_CLOSE, fast=fast)
         return zeta * unit, error * unit
 
     # -- where to look -----------------------------------------------------------------------------
@@ -658,10 +659,10 @@ class _Search:
         """Return the highest slip speed of the orbit that grazes, in m/s: twice the belt's for averages."""
         if not self.converges:
             return 2 * float(points.V[0])
-        system = Dimensionless.of(points.bound, points.oscillator(0))
-        zeta, _ = needed_ratio(system, rtol=_CLOSE, fast=self.work > _FEW)
-        slip = replace(system, zeta=zeta).slip(0.0, 0.0, until=End.MAXIMUM, rtol=TIGHT)
-        return system.V * slip.w if slip.end is End.MAXIMUM else math.inf
+        system = NondimensionalOscillator.of(points.bound, points.oscillator(0))
+        zeta, _ = orbit_damping_ratio(system, rtol=_CLOSE, fast=self.work > _FEW)
+        slip = replace(system, zeta=zeta).slip(0.0, 0.0, until=SlipEnd.MAXIMUM, rtol=TIGHT)
+        return system.V * slip.w if slip.end is SlipEnd.MAXIMUM else math.inf
 
     # -- stretches with thresholds -----------------------------------------------------------------
 
@@ -737,7 +738,7 @@ class _Search:
     def _newton(self, x: float, rtol: float, width: float) -> Critical:
         """Return a root by a step of Newton's method, from a threshold within a tolerance."""
         points = self.at(x)
-        computed, names = ask(points, self.method, rtol)
+        computed, names = evaluate(points, self.method, rtol)
         value = float(computed.value[0])
         if not names[0] or math.isnan(value):
             self._no_threshold(x)
@@ -779,9 +780,9 @@ class _Search:
 
 
 @lru_cache(maxsize=256)  # m and k are one search: the ratio depends on them by their product
-def _rough_ratio(system: Dimensionless, fast: bool) -> tuple[float, float]:
+def _rough_ratio(system: NondimensionalOscillator, fast: bool) -> tuple[float, float]:
     """Return the damping ratio that the slip from P needs, and its error, for a sketch."""
-    return needed_ratio(system, rtol=_ROUGH, fast=fast)
+    return orbit_damping_ratio(system, rtol=_ROUGH, fast=fast)
 
 
 def _polished(function: Callable[[float], float], root: Root) -> float | None:

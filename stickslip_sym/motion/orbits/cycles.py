@@ -11,14 +11,14 @@ from stickslip_sym.core import deadline
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.kernel.data import TIGHT, End
+from stickslip_sym.motion.kernel.data import TIGHT, SlipEnd
 from stickslip_sym.motion.orbits.damping import NeededDamping, needed_damping
-from stickslip_sym.motion.orbits.needed import PARTED, halves
-from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.orbits.needed import PARTED, forward_and_backward_orbit
+from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.output import markup
 from stickslip_sym.output.data import DataResult
 
-_BESIDE = 1e-7  # distance from an orbit over its amplitude: by its square the gap changes beside a fold
+_BESIDE = 1e-7  # distance from an orbit over its amplitude: by its square the mismatch changes beside a fold
 _STRONGEST = 1e-300  # contraction in a round, or backward, that is distinguished from 0
 
 
@@ -109,7 +109,9 @@ def limit_cycles(
 def _cycle(need: NeededDamping, osc: Oscillator, A: float, stable: bool) -> LimitCycle:
     """Return the cycle of an amplitude: two motions side by side part or close up by the ratio of their wedges."""
     system = need.system
-    ahead, back = halves(system.rise, system.eta, osc.zeta, 0.0, A, TIGHT, system.difference, 1.0)
+    ahead, back = forward_and_backward_orbit(
+        system.rise, system.eta, osc.zeta, 0.0, A, TIGHT, system.difference, 1.0
+    )
     deadline.check_time()
     if A == 1.0 and stable:
         # It slips so slowly beside the belt's speed that it all but sticks: what differs at first is lost there.
@@ -117,17 +119,17 @@ def _cycle(need: NeededDamping, osc: Oscillator, A: float, stable: bool) -> Limi
     # A wedge is 0 where its half slides along a jump of mu. Forward, the motions beside it come to lie on it;
     # backward, it is one from which those beside it part at once.
     factor = min(ahead.wedge / max(back.wedge, _STRONGEST), 1 / _STRONGEST)
-    if abs(need.gap(A, 2 * osc.zeta)) > PARTED:
+    if abs(need.mismatch(A, 2 * osc.zeta)) > PARTED:
         # The orbit touches a speed where mu jumps, and d steps past the damping that there is. Where it rises
         # those inside shrink, and the jump throws those outside on; where it falls both come to slide along it.
-        factor = 0.0 if need.gap(A * (1 - _BESIDE), 2 * osc.zeta) > 0 else math.inf
+        factor = 0.0 if need.mismatch(A * (1 - _BESIDE), 2 * osc.zeta) > 0 else math.inf
     return replace(LimitCycle.of(osc, A, ahead.tau + back.tau, factor), stable=stable)
 
 
-def _round_time(system: Dimensionless) -> float:
+def _round_time(system: NondimensionalOscillator) -> float:
     """Return how long it takes from where a mass stands still after the slip from P to where it does so again."""
-    top = system.slip(0.0, 0.0, until=End.MAXIMUM)
-    stands = system.slip(top.q, top.w, until=End.LEVEL, level=1.0)
-    low = system.slip(stands.q, stands.w, until=End.MINIMUM)
-    top = system.slip(low.q, low.w, until=End.MAXIMUM)
-    return low.tau + top.tau + system.slip(top.q, top.w, until=End.LEVEL, level=1.0).tau
+    top = system.slip(0.0, 0.0, until=SlipEnd.MAXIMUM)
+    stands = system.slip(top.q, top.w, until=SlipEnd.LEVEL, level=1.0)
+    low = system.slip(stands.q, stands.w, until=SlipEnd.MINIMUM)
+    top = system.slip(low.q, low.w, until=SlipEnd.MAXIMUM)
+    return low.tau + top.tau + system.slip(top.q, top.w, until=SlipEnd.LEVEL, level=1.0).tau

@@ -25,16 +25,17 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import FrictionTable, Rise
 from stickslip_sym.motion.compiled import is_ready
-from stickslip_sym.motion.kernel.data import PRECISE, TIGHT, End
+from stickslip_sym.motion.kernel.data import PRECISE, TIGHT
 from stickslip_sym.motion.orbits.needed import (
     ROUNDING,
+    SearchEnd,
     damping_ratios,
-    gap_at,
-    needed_all,
-    needed_ratio,
+    orbit_damping_ratio,
+    search_damping_ratios,
+    velocity_mismatch_at,
 )
 from stickslip_sym.motion.simulation.cycle import first_minimum
-from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.numerics.known import Column, Unknown, attempted
 from stickslip_sym.numerics.resolved import Resolved, Turn, resolve
 
@@ -44,10 +45,10 @@ _RTOL = 1e-9  # of d, that its polynomials may leave out
 _MOST = 2000  # orbits, to resolve it
 _OF_ORBITS = 1e-8  # relative error of the values through which they go
 _FEW = 20  # orbits, up to which plain Python is as fast as loading compiled code
-_NEUTRAL = 3.0  # times the tolerance of steps, the gap below which an orbit is periodic within their errors
-_WEAK = 1.0  # eta, below which gaps are so small that their steps are to be precise
+_NEUTRAL = 3.0  # times the tolerance of steps, the mismatch below which an orbit is periodic within their errors
+_WEAK = 1.0  # eta, below which mismatches are so small that their steps are to be precise
 _BESIDE = 1e-6  # relative, of the amplitude of a cycle by polynomials, within which it lies
-_CLEAR = 10.0  # errors from a damping at which the sign of a polynomial is that of the gap
+_CLEAR = 10.0  # errors from a damping at which the sign of a polynomial is that of the mismatch
 _NARROW = 64  # times narrower than V is a piece of the table in which mu changes quickly,
 _NARROWER = 0.6  # and than the pieces beside it
 _SAME, _CLOSE = 1e-9, 1e-13  # amplitudes that are one, and the error of one at which d breaks
@@ -63,20 +64,20 @@ class NeededDamping:
     - `system`: without damping and without a static excess, which no orbit in slip meets.
     """
 
-    system: Dimensionless
+    system: NondimensionalOscillator
 
     def at(self, amplitude: ArrayLike) -> FloatArray:
         """Return d at amplitudes over the belt speed; d(0) is the Hopf bifurcation, d(1) the graze."""
         A, hopf = np.asarray(amplitude, dtype=np.float64), -self.system.decay(1.0)
-        d = [hopf if one < NEAREST else 2 * needed_ratio(self.system, one)[0] for one in A.ravel().tolist()]
+        d = [hopf if one < NEAREST else 2 * orbit_damping_ratio(self.system, one)[0] for one in A.ravel().tolist()]
         return np.array(d).reshape(A.shape)
 
-    def gap(self, A: float, damping: float) -> float:
-        """Return the gap of an orbit at a damping over sqrt(k m), of the sign of d(A) - damping."""
+    def mismatch(self, A: float, damping: float) -> float:
+        """Return the mismatch of an orbit at a damping over sqrt(k m), of the sign of d(A) - damping."""
         system, steps = self.system, TIGHT
         if abs(system.eta) < _WEAK:
             steps = PRECISE
-        value = gap_at(replace(system, zeta=damping / 2), A, rtol=steps).value
+        value = velocity_mismatch_at(replace(system, zeta=damping / 2), A, rtol=steps).value
         if math.isnan(value):
             raise NotConverged(
                 f"the slip orbit of amplitude {A * system.V:g} m/s takes too many steps: friction is too strong; "
@@ -90,7 +91,7 @@ class NeededDamping:
     @property
     def least(self) -> float:
         """The least amplitude at which d is resolved: beside a jump of mu at V it grows without bound."""
-        rise = _rise(self.system.table, self.system.V)
+        rise = _rise_at(self.system.table, self.system.V)
         levels, jumps = rise.levels, rise.jumps
         jump = max(
             (abs(size) for w, size in zip(levels, jumps, strict=False) if abs(w - 1) <= NEAREST), default=0.0
@@ -149,7 +150,7 @@ class NeededDamping:
 
     def _values(self, A: FloatArray) -> Column:
         """Return d."""
-        return _values(self.system, np.full(A.size, self.system.eta), A)
+        return _orbit_dampings(self.system, np.full(A.size, self.system.eta), A)
 
     def _reaching(self, w: float, low: float) -> float:
         """Return the amplitude, above one, at which orbits come to a highest slip speed over V."""
@@ -165,7 +166,7 @@ class NeededDamping:
         damping = self._values(np.array([A])).at(0)
         if isinstance(damping, Unknown) or math.isinf(damping):
             return math.inf
-        return gap_at(replace(system, zeta=damping / 2), A, rtol=TIGHT).highest
+        return velocity_mismatch_at(replace(system, zeta=damping / 2), A, rtol=TIGHT).highest
 
     # -- what is read from them --------------------------------------------------------------------
 
@@ -184,7 +185,7 @@ class NeededDamping:
         pieces = self.resolved.pieces
         if not pieces or pieces[-1].high < len(self.edges) - 1:  # it is among those that are open
             return None
-        graze = attempted(needed_ratio, self.system)
+        graze = attempted(orbit_damping_ratio, self.system)
         if isinstance(graze, Unknown):
             return None
         d, error = 2 * graze[0], 2 * graze[1]
@@ -257,31 +258,32 @@ class NeededDamping:
         off = turn.value - damping
         if not abs(off) <= _CLEAR * (turn.error + ROUNDING * abs(damping)):
             return math.copysign(1.0, off)
-        return float(np.sign(self.gap(turn.x, damping)))
+        return float(np.sign(self.mismatch(turn.x, damping)))
 
     def _polished(self, estimate: float | None, low: float, high: float, sign: float, damping: float) -> float:
-        """Return the amplitude of a cycle between two, by the gap at the damping; of weak friction all are small.
+        """Return the amplitude of a cycle between two, by the mismatch at the damping; of weak friction all are
+        small.
 
         - `sign`: of d - damping at the lower one, where d may jump.
         """
         ends = {high: -sign, low: sign}
 
-        def gap(A: float) -> float:
-            return ends[A] if A in ends else min(max(self.gap(A, damping), -1.0), 1.0)
+        def mismatch(A: float) -> float:
+            return ends[A] if A in ends else min(max(self.mismatch(A, damping), -1.0), 1.0)
 
         if estimate is not None:
             beside = max(estimate * (1 - _BESIDE), low), min(estimate * (1 + _BESIDE), high)
-            signs = np.sign([gap(A) for A in beside])
+            signs = np.sign([mismatch(A) for A in beside])
             if not signs.any():
                 return estimate
             if signs.prod() < 0:
                 low, high = beside
-        return float(brentq(gap, low, high, xtol=ROUNDING * high)) if low < high else low
+        return float(brentq(mismatch, low, high, xtol=ROUNDING * high)) if low < high else low
 
     def _passes(self, low: float, high: float, damping: float) -> bool:
         """Whether a motion goes through all amplitudes between two: orbits do not cross, so no cycle is there."""
         system = replace(self.system, zeta=damping / 2)
-        way = math.copysign(1.0, self.gap(low, damping))
+        way = math.copysign(1.0, self.mismatch(low, damping))
         peak, end = (low, high) if way > 0 else (high, low)
         for _ in range(_ROUNDS):
             before, peak = peak, 1 - first_minimum(system, system.turn(1 - peak), 1 - peak, TIGHT)
@@ -292,15 +294,15 @@ class NeededDamping:
         return False
 
 
-def _values(system: Dimensionless, eta: FloatArray, A: FloatArray) -> Column:
+def _orbit_dampings(system: NondimensionalOscillator, eta: FloatArray, A: FloatArray) -> Column:
     """Return d of orbits, each at an eta of its own.
 
     It is infinite where no damping is enough, or none too little. Where less lets an orbit leave the speeds that
     were measured it is the damping at which that begins.
     """
-    rows = np.full((A.size, 5), float(End.LATE))
-    few = 0 if is_ready(needed_all) else _FEW
-    system.spread(needed_all, (eta, np.zeros(A.size), A), (_OF_ORBITS,), rows, few=few)
+    rows = np.full((A.size, 5), float(SearchEnd.LATE))
+    few = 0 if is_ready(search_damping_ratios) else _FEW
+    system.spread(search_damping_ratios, (eta, np.zeros(A.size), A), (_OF_ORBITS,), rows, few=few)
     check_time()
     rows[:, 1:] *= 2
     return damping_ratios(rows)
@@ -321,7 +323,7 @@ def resolve_together(needs: Sequence[NeededDamping]) -> None:
         which, A = np.searchsorted(begins, places, side="right") - 1, np.empty(places.size)
         for i in np.unique(which).tolist():
             A[which == i] = needs[i].amplitudes(places[which == i] - begins[i])
-        return _values(system, etas[which], A)
+        return _orbit_dampings(system, etas[which], A)
 
     whole = resolve(values, range(int(begins[-1]) + 1), rtol=_RTOL, most=_MOST * len(needs))
     for need, (begin, end) in zip(needs, pairwise(begins.tolist()), strict=True):
@@ -352,20 +354,20 @@ def quick_speeds(table: FrictionTable, V: float) -> list[float]:
 
 def needed_damping(law: FrictionLaw, osc: Oscillator) -> NeededDamping:
     """Return the damping that slip orbits need as a function of their amplitude; the c of `osc` is not used."""
-    system = Dimensionless.of(law.bound, osc)
-    return _kept(system.table, system.eta, system.V)
+    system = NondimensionalOscillator.of(law.bound, osc)
+    return _needed_damping_at(system.table, system.eta, system.V)
 
 
 @lru_cache(maxsize=64)  # cycles at many dampings read one
-def _kept(table: FrictionTable, eta: float, V: float) -> NeededDamping:
-    return NeededDamping(Dimensionless(eta, 0.0, _without_excess(table), V))
+def _needed_damping_at(table: FrictionTable, eta: float, V: float) -> NeededDamping:
+    return NeededDamping(NondimensionalOscillator(eta, 0.0, _drop_static_excess(table), V))
 
 
 @lru_cache(maxsize=64)  # so that what is computed of a table at a belt speed is shared by all normal forces
-def _without_excess(table: FrictionTable) -> FrictionTable:
+def _drop_static_excess(table: FrictionTable) -> FrictionTable:
     return replace(table, static=table.onset)
 
 
 @lru_cache(maxsize=64)
-def _rise(table: FrictionTable, V: float) -> Rise:
+def _rise_at(table: FrictionTable, V: float) -> Rise:
     return table.at(V)

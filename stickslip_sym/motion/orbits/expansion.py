@@ -26,7 +26,7 @@ _GRIDS = (32, 192, 1152)  # phases in half a period; the next where these do not
 # z_n for n = 0 to K - 1 with sum of z_n exp(i n theta) + its conjugate; a row each.
 
 
-def coefficients(function: FloatArray) -> ComplexArray:
+def fourier_coefficients(function: FloatArray) -> ComplexArray:
     """Return the coefficients of functions from their values."""
     size = function.shape[-1]
     turn: ComplexArray = np.exp(-1j * np.pi / size * np.arange(size // 2)) / size
@@ -40,7 +40,7 @@ def values(z: ComplexArray | FloatArray) -> FloatArray:
     return samples
 
 
-class Expansion(NamedTuple):
+class GrazingExpansion(NamedTuple):
     """The slip orbit that grazes the belt's speed, for weak friction; an entry for each belt speed.
 
     With f = N/sqrt(k m), c/N = `harmonic` + f^2 `second`; the overtones of the velocity go with f.
@@ -66,7 +66,7 @@ class Expansion(NamedTuple):
         return self.tail <= ROUNDING
 
 
-def expand(law: BoundLaw, V: ArrayLike, *, grids: Sequence[int] = _GRIDS) -> Expansion:
+def expand(law: BoundLaw, V: ArrayLike, *, grids: Sequence[int] = _GRIDS) -> GrazingExpansion:
     """Expand slip orbits for weak friction.
 
     - `law`: smooth on the speeds of the orbits.
@@ -74,11 +74,11 @@ def expand(law: BoundLaw, V: ArrayLike, *, grids: Sequence[int] = _GRIDS) -> Exp
     - `grids`: numbers of phases in half a period, of which the first that resolves the law is taken, or the last.
     """
     V = np.ravel(np.asarray(V, np.float64))
-    expansion = Expansion(*np.full((len(Expansion._fields), V.size), np.inf))
+    expansion = GrazingExpansion(*np.full((len(GrazingExpansion._fields), V.size), np.inf))
     for size in grids:
         again = ~expansion.resolved
         if again.any():
-            finer = _expand(_falls(law, V[again], size))
+            finer = _expand(_falls_over_period(law, V[again], size))
             seen = law.table.resolved(0.0, 2 * V[again], size)
             finer = finer._replace(tail=np.where(seen, finer.tail, np.inf))
             for column, values_there in zip(expansion, finer, strict=True):
@@ -87,7 +87,7 @@ def expand(law: BoundLaw, V: ArrayLike, *, grids: Sequence[int] = _GRIDS) -> Exp
 
 
 def expansion_changes(
-    law: BoundLaw, partial: BoundLaw, V: FloatArray, weak: Expansion
+    law: BoundLaw, partial: BoundLaw, V: FloatArray, weak: GrazingExpansion
 ) -> tuple[FloatArray, FloatArray]:
     """Return how `harmonic` and `second` change with a parameter, or with ln V.
 
@@ -96,7 +96,7 @@ def expansion_changes(
     They are of the first and of the third degree in the slopes, so central differences over one step and two are
     exact.
     """
-    fall, change = (_falls(varied, V, int(weak.phases.max())) for varied in (law, partial))
+    fall, change = (_falls_over_period(varied, V, int(weak.phases.max())) for varied in (law, partial))
     by_itself = _expand(change)
     step = np.where(by_itself.largest > 0, weak.largest / by_itself.largest, 1.0)
 
@@ -109,13 +109,13 @@ def expansion_changes(
     return by_itself.harmonic, (4 * difference(step) - difference(2 * step)) / 3
 
 
-def _falls(law: BoundLaw, V: FloatArray, size: int) -> FloatArray:
+def _falls_over_period(law: BoundLaw, V: FloatArray, size: int) -> FloatArray:
     """Return -mu' at the phases of a harmonic motion, v = V (1 - cos(theta)), a row for each belt speed."""
     theta = (np.arange(size) + 0.5) * (np.pi / size)  # midpoints of cells, so that v = 0 itself is never met
     return -law.at_speeds(2 * V[:, None] * np.sin(theta / 2) ** 2, derivative=True)
 
 
-def _expand(half: FloatArray) -> Expansion:
+def _expand(half: FloatArray) -> GrazingExpansion:
     """Expand from -mu' at the phases of half a period."""
     size = half.shape[1]
     theta = (np.arange(2 * size) + 0.5) * (np.pi / size)
@@ -123,21 +123,21 @@ def _expand(half: FloatArray) -> Expansion:
     off_resonance = n**2 - 1
     off_resonance[1] = np.inf  # the fundamental is set by the amplitude
     g = np.hstack([half, half[:, ::-1]])
-    feed = -2 * coefficients(g * sine).imag
+    feed = -2 * fourier_coefficients(g * sine).imag
     harmonic = feed[:, 1]
     b = feed / off_resonance
     z1, excess = values(-0.5j * b), g - harmonic[:, None]
-    a = 2 * n * coefficients(excess * z1).imag / off_resonance
+    a = 2 * n * fourier_coefficients(excess * z1).imag / off_resonance
     a[:, 1] = -((n * b).sum(axis=1) ** 2) / 2 - a[:, 2:].sum(axis=1)
-    curvature = values(-1j * n * coefficients(g)) / sine  # dg/dz, from the derivative by the phase
+    curvature = values(-1j * n * fourier_coefficients(g)) / sine  # dg/dz, from the derivative by the phase
     second = 2 * ((excess * values(a / 2) + curvature * z1**2 / 2) * np.cos(theta)).mean(axis=1)
     high, largest = np.abs(feed[:, size - size // 4 :]).max(axis=1), np.abs(g).max(axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
         tail = np.nan_to_num(np.where(high == 0, 0.0, high / largest), nan=np.inf, posinf=np.inf)
-    return Expansion(harmonic, second, np.abs(b) @ n, largest, tail, np.full(len(half), size))
+    return GrazingExpansion(harmonic, second, np.abs(b) @ n, largest, tail, np.full(len(half), size))
 
 
-def of_layer(law: BoundLaw, V: FloatArray, strength: FloatArray, phases: ArrayLike) -> FloatArray:
+def damping_of_layer(law: BoundLaw, V: FloatArray, strength: FloatArray, phases: ArrayLike) -> FloatArray:
     """Return the damping over sqrt(k m) that a layer of the law at rest may add, of which a grid sees nothing.
 
     A thin layer acts as a static coefficient that lies higher by its height h: the halves of the grazing orbit

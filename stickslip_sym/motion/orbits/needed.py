@@ -6,10 +6,11 @@ stands still; backward it comes to w = 1 as well. The orbit is closed where both
 Along an orbit's last stretch neighbouring motions part, by many powers of ten if friction is strong; backward they
 close up. So both halves are steady where one way round is not.
 
-Damping rotates the field of directions one way, so the gap log(r_f/r_b) falls with the damping ratio zeta, for
-weak friction at the rate 2 pi, and has one root. A half may also creep to rest, or leave the table of the law:
+Damping rotates the field of directions one way, so the mismatch of velocities, g = log(r_f/r_b), falls with the
+damping ratio zeta, for weak friction at the rate 2 pi, and has one root. A half may also creep to rest, or leave
+the table of the law:
 
-    ahead     back      gap
+    ahead     back      mismatch
     returns   returns   log(r_f/r_b)
     returns   creeps    infinite
     creeps    returns   -infinite
@@ -20,10 +21,10 @@ Time is no bound of a half. With q the displacement from rest and x = w - 1 ther
 small q is used up at that rate, and beside rest implicit steps grow with the slowness of the motion. So a half is
 followed until it comes to w = 1, or within the tolerance of rest; that it took all its steps says nothing.
 
-The derivatives of the gap by every quantity follow from the wedge D of `slip`. At w = 1 - A there is D = 0, but
-for A itself, where it is -A; at w = 1
+The derivatives of the mismatch by every quantity follow from the wedge D of `slip`. At w = 1 - A there is D = 0,
+but for A itself, where it is -A; at w = 1
 
-    dr/dp = dw'/dp - D/r,    dgap/dp = (dr_f/dp)/r_f - (dr_b/dp)/r_b.
+    dr/dp = dw'/dp - D/r,    dg/dp = (dr_f/dp)/r_f - (dr_b/dp)/r_b.
 
 For A = 1 the orbit grazes the belt's speed, and d is the pure-slip threshold. The half forward is then the slip
 from P, q = w = 0, and the half backward comes from the graze, q = -push with push = eta (mu_static - mu(0+)):
@@ -46,38 +47,40 @@ from stickslip_sym.motion.kernel.data import (
     PRECISE,
     TIGHT,
     Branch,
-    End,
     Field,
-    State,
+    SlipEnd,
+    SlipState,
     Stop,
     Wedge,
     no_wedge,
 )
 from stickslip_sym.motion.kernel.follow import follow
 from stickslip_sym.motion.kernel.forces import rise_at, standing
-from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.numerics.known import Column, Unknown
 
 SIGNS = 1e-11
-"""The relative tolerance of the steps along which the sign of a gap is decided."""
+"""The relative tolerance of the steps along which the sign of a mismatch is decided."""
 PARTED = 1e-7
-"""The gap of an orbit beside which d jumps; where d is continuous it is that of rounding."""
+"""The mismatch of an orbit beside which d jumps; where d is continuous it is that of rounding."""
 ROUNDING = 1e-14
-"""Relative, of a gap, a damping and an amplitude; of the terms of w' over their sum."""
+"""Relative, of a mismatch, a damping and an amplitude; of the terms of w' over their sum."""
 STRONG = 30.0
 """Eta, from which halves are stiff."""
-_COARSE = 1e-5  # tolerance of steps that show the sign of a gap far from 0, the loosest
+_COARSE = 1e-5  # tolerance of steps that show the sign of a mismatch far from 0, the loosest
 _STIFF = 1e-9  # the same where friction is strong
-_ROUGH = 1e-4  # gap above which these steps show its sign
+_ROUGH = 1e-4  # mismatch above which these steps show its sign
 _LOOSEST = 1e-6  # tolerance of steps in a search
 _FINER = 0.01  # times the tolerance, where it did not give the accuracy that is wanted
 _SHARE = 0.03  # of the error of the damping ratio that is wanted, a tolerance; and of that, its relative error
 _EVEN_SHARE = 1e-2  # of the relative error that is wanted, at most; all of it where friction is strong
 _LOOSER = 10.0  # times the tolerance, for the estimate of what the integration is off
-_CLOSE = 100.0  # times the tolerance of steps, a gap from which a secant leads to its root within their errors
-_BENT = 0.01  # of a gap, that the last secant may be off
-_SLOW = 0.5  # of the gap before, above which the secant does not help
-_FALL = -2 * math.pi  # of the gap with zeta, where friction is weak
+_CLOSE = (
+    100.0  # times the tolerance of steps, a mismatch from which a secant leads to its root within their errors
+)
+_BENT = 0.01  # of a mismatch, that the last secant may be off
+_SLOW = 0.5  # of the mismatch before, above which the secant does not help
+_FALL = -2 * math.pi  # of the mismatch with zeta, where friction is weak
 _MOST_GAPS = 200  # dampings that are tried
 _PHASES = 64  # of an orbit, for the first guess
 _WILD = 1e12  # change of friction along an orbit, over its own forces, that is no use to follow
@@ -85,7 +88,7 @@ _FARTHEST = 1e6  # damping ratio over 1 + |eta| and over the largest rise of fri
 _UNSURE = 1e-4  # error of a damping ratio over the largest one at work, that is no value
 
 
-class Outcome(IntEnum):
+class HalfOutcome(IntEnum):
     """What becomes of a half."""
 
     RETURNS = 0  # it comes to w = 1
@@ -97,15 +100,15 @@ class Outcome(IntEnum):
 class Half(NamedTuple):
     """Half an orbit: its outcome, w' and the wedge D at w = 1, its highest w, and how long it took."""
 
-    outcome: Outcome
+    outcome: HalfOutcome
     rate: float
     wedge: float
     highest: float
     tau: float
 
 
-class Gap(NamedTuple):
-    """The gap of an orbit.
+class VelocityMismatch(NamedTuple):
+    """The mismatch of an orbit.
 
     - `value`: NaN where its sign is not known; infinite where a half creeps to rest, or leaves the table.
     - `slope`: its derivative by the quantity of the wedge.
@@ -121,15 +124,25 @@ class Gap(NamedTuple):
     highest: float
 
 
-class Needed(NamedTuple):
+class SearchEnd(IntEnum):
+    """How the search for the damping ratio of an orbit ended."""
+
+    CLOSED = 0  # the orbit closes at the damping ratio that was found
+    NEVER = 1  # no damping closes the orbit
+    OUTSIDE = 2  # with less damping the orbit leaves the table of the law
+    FAILED = 3  # the bound on the work was reached, or the mismatch is not known
+    LATE = 4  # the time of a `time_limit` was up
+
+
+class OrbitDampingRatio(NamedTuple):
     """The damping ratio that an orbit needs, as far as it was found.
 
-    - `end`: how the search ended: `CLOSED`, `NEVER`, `OUTSIDE`, `FAILED`, or `LATE`.
+    - `end`: how the search ended.
     - `zeta`, `error`: the damping ratio, and its error.
-    - `low`, `high`: ratios between which it lies: the gap is above 0 at one, and not above 0 at the other.
+    - `low`, `high`: ratios between which it lies: the mismatch is above 0 at one, and not above 0 at the other.
     """
 
-    end: End
+    end: SearchEnd
     zeta: float
     error: float
     low: float
@@ -137,24 +150,24 @@ class Needed(NamedTuple):
 
 
 @compilable
-def _followed(
-    rise: Rise, field: Field, begin: State, until: int, level: float, wedge: Wedge, rtol: float
-) -> tuple[Outcome, State]:
+def _follow_half(
+    rise: Rise, field: Field, begin: SlipState, until: int, level: float, wedge: Wedge, rtol: float
+) -> tuple[HalfOutcome, SlipState]:
     """Follow a slip to its maximum, or to a level, however long that takes."""
     stop = Stop(until, level, math.inf, MOST_STEPS, 0)
     end, state, _, _ = follow(rise, field, 0.0, begin, stop, wedge, rtol, False)
-    outcome = Outcome.UNKNOWN
+    outcome = HalfOutcome.UNKNOWN
     if end == until:
-        outcome = Outcome.RETURNS
-    elif end == End.OUTSIDE:
-        outcome = Outcome.LEAVES
-    elif end == End.REST:
-        outcome = Outcome.CREEPS
+        outcome = HalfOutcome.RETURNS
+    elif end == SlipEnd.OUTSIDE:
+        outcome = HalfOutcome.LEAVES
+    elif end == SlipEnd.REST:
+        outcome = HalfOutcome.CREEPS
     return outcome, state
 
 
 @compilable
-def halves(
+def forward_and_backward_orbit(
     rise: Rise, eta: float, zeta: float, push: float, A: float, rtol: float, wedge: Wedge, D: float
 ) -> tuple[Half, Half]:
     """Follow both halves from w = 1 - A to w = 1: ahead, and back.
@@ -176,72 +189,76 @@ def halves(
     if w == 0.0:
         q = -rest
 
-    forward, begin = Field(eta, push + rest, 1.0, 2.0 * zeta), State(0.0, q, w, 1.0, 0.0, D)
-    outcome, state = _followed(rise, forward, begin, End.MAXIMUM.value, math.inf, wedge, rtol)
+    forward, begin = Field(eta, push + rest, 1.0, 2.0 * zeta), SlipState(0.0, q, w, 1.0, 0.0, D)
+    outcome, state = _follow_half(rise, forward, begin, SlipEnd.MAXIMUM.value, math.inf, wedge, rtol)
     highest, tau = state.w, state.tau
-    if outcome == Outcome.RETURNS:
-        top = State(0.0, state.q, state.w, 1.0, 0.0, state.wedge)
-        outcome, state = _followed(rise, forward, top, End.LEVEL.value, 1.0, wedge, rtol)
+    if outcome == HalfOutcome.RETURNS:
+        top = SlipState(0.0, state.q, state.w, 1.0, 0.0, state.wedge)
+        outcome, state = _follow_half(rise, forward, top, SlipEnd.LEVEL.value, 1.0, wedge, rtol)
         tau += state.tau
     ahead = Half(outcome, state.rate, state.wedge, highest, tau)
 
     # Backward in time the equations are the same, with q and all of their factors negated.
     negated = Wedge(-wedge.constant, -wedge.linear, -wedge.factor, wedge.pieces, wedge.shifts, wedge.wanted)
-    backward, begin = Field(-eta, -push - rest, 1.0, -2.0 * zeta), State(0.0, -graze, w, 1.0, 0.0, D)
-    outcome, state = _followed(rise, backward, begin, End.LEVEL.value, 1.0, negated, rtol)
+    backward, begin = Field(-eta, -push - rest, 1.0, -2.0 * zeta), SlipState(0.0, -graze, w, 1.0, 0.0, D)
+    outcome, state = _follow_half(rise, backward, begin, SlipEnd.LEVEL.value, 1.0, negated, rtol)
     back = Half(outcome, -state.rate, state.wedge, w, state.tau)
 
-    if ahead.outcome == Outcome.RETURNS and back.outcome == Outcome.RETURNS:
+    if ahead.outcome == HalfOutcome.RETURNS and back.outcome == HalfOutcome.RETURNS:
         jump = eta * (standing(pieces, True) - standing(pieces, False))
         if jump < 0.0 and ahead.rate < 0.0:
-            ahead = _across(ahead, jump)
+            ahead = _cross_jump(ahead, jump)
         elif jump > 0.0 and back.rate < 0.0:
-            back = _across(back, -jump)
+            back = _cross_jump(back, -jump)
     return ahead, back
 
 
 @compilable
-def _across(half: Half, jump: float) -> Half:
+def _cross_jump(half: Half, jump: float) -> Half:
     """Return the end of a half beyond a jump of w', with which the wedge changes."""
     wedge = half.wedge * (1.0 + jump / half.rate)
     return Half(half.outcome, half.rate + jump, wedge, half.highest, half.tau)
 
 
 @compilable
-def gap(rise: Rise, eta: float, zeta: float, push: float, A: float, rtol: float, wedge: Wedge) -> Gap:
-    """Return the gap; arguments as for `halves`."""
-    ahead, back = halves(rise, eta, zeta, push, A, rtol, wedge, 0.0)
+def velocity_mismatch(
+    rise: Rise, eta: float, zeta: float, push: float, A: float, rtol: float, wedge: Wedge
+) -> VelocityMismatch:
+    """Return the mismatch of an orbit; arguments as for `forward_and_backward_orbit`."""
+    ahead, back = forward_and_backward_orbit(rise, eta, zeta, push, A, rtol, wedge, 0.0)
     r_f, r_b, highest = ahead.rate, back.rate, ahead.highest
-    if ahead.outcome in (Outcome.LEAVES, Outcome.UNKNOWN):
+    if ahead.outcome in (HalfOutcome.LEAVES, HalfOutcome.UNKNOWN):
         highest = math.inf
-    if ahead.outcome == Outcome.LEAVES:
-        return Gap(math.inf, 0.0, True, math.inf, highest)
-    arrives, came = ahead.outcome == Outcome.RETURNS, back.outcome == Outcome.RETURNS
-    if arrives and r_f < 0.0 and (back.outcome == Outcome.CREEPS or (came and r_b >= 0.0)):
-        return Gap(math.inf, 0.0, False, math.inf, highest)
-    if came and (ahead.outcome == Outcome.CREEPS or (arrives and r_f >= 0.0)):
-        return Gap(-math.inf, 0.0, False, math.inf, highest)
+    if ahead.outcome == HalfOutcome.LEAVES:
+        return VelocityMismatch(math.inf, 0.0, True, math.inf, highest)
+    arrives, came = ahead.outcome == HalfOutcome.RETURNS, back.outcome == HalfOutcome.RETURNS
+    if arrives and r_f < 0.0 and (back.outcome == HalfOutcome.CREEPS or (came and r_b >= 0.0)):
+        return VelocityMismatch(math.inf, 0.0, False, math.inf, highest)
+    if came and (ahead.outcome == HalfOutcome.CREEPS or (arrives and r_f >= 0.0)):
+        return VelocityMismatch(-math.inf, 0.0, False, math.inf, highest)
     if not (arrives and came):
-        return Gap(math.nan, 0.0, False, math.inf, highest)
+        return VelocityMismatch(math.nan, 0.0, False, math.inf, highest)
     lifted = standing(rise.pieces, True)
     b = wedge.constant + wedge.linear
     if wedge.factor != 0.0:
         b += wedge.factor * standing(wedge.pieces, lifted >= standing(rise.pieces, False))
     slope = (b - ahead.wedge / r_f) / r_f - (b - back.wedge / r_b) / r_b
     rounding = ROUNDING * (1.0 + (abs(eta * lifted) + abs(push) + abs(zeta)) / abs(r_f))
-    return Gap(math.log(r_f / r_b), slope, False, rounding, highest)
+    return VelocityMismatch(math.log(r_f / r_b), slope, False, rounding, highest)
 
 
 @compilable
-def sure_gap(rise: Rise, eta: float, zeta: float, push: float, A: float, rtol: float) -> Gap:
-    """Return the gap by coarse steps where they show its sign, without its derivative."""
+def mismatch_of_certain_sign(
+    rise: Rise, eta: float, zeta: float, push: float, A: float, rtol: float
+) -> VelocityMismatch:
+    """Return the mismatch by coarse steps where they show its sign, without its derivative."""
     unwanted, coarse = no_wedge(rise), _COARSE
     if abs(eta) > STRONG:
         coarse = _STIFF
-    glance = gap(rise, eta, zeta, push, A, coarse, unwanted)
+    glance = velocity_mismatch(rise, eta, zeta, push, A, coarse, unwanted)
     if not glance.leaves and _ROUGH < abs(glance.value) < math.inf:
         return glance
-    return gap(rise, eta, zeta, push, A, rtol, unwanted)
+    return velocity_mismatch(rise, eta, zeta, push, A, rtol, unwanted)
 
 
 @compilable
@@ -255,44 +272,48 @@ def _tolerance(eta: float, zeta: float, rtol: float) -> float:
 
 
 @compilable
-def needed(rise: Rise, eta: float, push: float, A: float, rtol: float) -> Needed:
+def search_damping_ratio(rise: Rise, eta: float, push: float, A: float, rtol: float) -> OrbitDampingRatio:
     """Search for the damping ratio that an orbit needs, with a relative error that is wanted."""
     zeta, largest = _harmonic(rise, eta, A)
     if max(largest, abs(push)) == 0.0:
-        return Needed(End.CLOSED, 0.0, 0.0, 0.0, 0.0)
+        return OrbitDampingRatio(SearchEnd.CLOSED, 0.0, 0.0, 0.0, 0.0)
     if not largest < _WILD:
-        return Needed(End.FAILED, zeta, math.inf, -math.inf, math.inf)
+        return OrbitDampingRatio(SearchEnd.FAILED, zeta, math.inf, -math.inf, math.inf)
     steps = _tolerance(eta, zeta, rtol)
     need = _searched(rise, eta, push, A, steps, zeta, largest)
-    while need.end == End.CLOSED and need.error > rtol * abs(need.zeta) and steps > PRECISE:
+    while need.end == SearchEnd.CLOSED and need.error > rtol * abs(need.zeta) and steps > PRECISE:
         steps = max(_FINER * steps, PRECISE)
         finer = _searched(rise, eta, push, A, steps, zeta, largest)
-        if finer.end != End.CLOSED or not finer.error < need.error:
+        if finer.end != SearchEnd.CLOSED or not finer.error < need.error:
             break
         need = finer
     return need
 
 
 @compilable
-def _searched(rise: Rise, eta: float, push: float, A: float, steps: float, zeta: float, largest: float) -> Needed:
-    """Search by steps of one tolerance, and say what the result is off where the gap jumps."""
+def _searched(
+    rise: Rise, eta: float, push: float, A: float, steps: float, zeta: float, largest: float
+) -> OrbitDampingRatio:
+    """Search by steps of one tolerance, and say what the result is off where the mismatch jumps."""
     found = _search(rise, eta, push, A, steps, zeta, largest)
     end, zeta, error, low, high = found
-    if end != End.CLOSED or error < math.inf:
+    if end != SearchEnd.CLOSED or error < math.inf:
         return found
-    # The gap jumps there: halves part by all digits, or the law has a jump, or its table ends.
-    if gap(rise, eta, low, push, A, steps, no_wedge(rise)).leaves:
-        return Needed(End.OUTSIDE, zeta, math.inf, low, high)
+    # The mismatch jumps there: halves part by all digits, or the law has a jump, or its table ends.
+    if velocity_mismatch(rise, eta, low, push, A, steps, no_wedge(rise)).leaves:
+        return OrbitDampingRatio(SearchEnd.OUTSIDE, zeta, math.inf, low, high)
     looser = _search(rise, eta, push, A, _LOOSER * steps, zeta, largest)
     error = abs(looser.zeta - zeta) + (high - low) + _LOOSER * steps / -_FALL
     error += (PRECISE + _SHARE * steps) * (abs(zeta) + largest)
-    if looser.end != End.CLOSED or error > _UNSURE * (abs(zeta) + largest):
-        return Needed(End.FAILED, zeta, math.inf, low, high)
-    return Needed(End.CLOSED, zeta, error, low, high)
+    if looser.end != SearchEnd.CLOSED or error > _UNSURE * (abs(zeta) + largest):
+        return OrbitDampingRatio(SearchEnd.FAILED, zeta, math.inf, low, high)
+    return OrbitDampingRatio(SearchEnd.CLOSED, zeta, error, low, high)
 
 
 @compilable
-def _search(rise: Rise, eta: float, push: float, A: float, rtol: float, zeta: float, largest: float) -> Needed:
+def _search(
+    rise: Rise, eta: float, push: float, A: float, rtol: float, zeta: float, largest: float
+) -> OrbitDampingRatio:
     """Search from a first guess, by steps of one tolerance.
 
     - `largest`: the largest rise of friction along the orbit, over its own forces.
@@ -303,11 +324,11 @@ def _search(rise: Rise, eta: float, push: float, A: float, rtol: float, zeta: fl
     reach = 0.1 * max(abs(zeta), largest + abs(push))
     last, before = math.nan, math.nan
     for _ in range(_MOST_GAPS):
-        value, _, _, rounding, _ = gap(rise, eta, zeta, push, A, rtol, no_wedge(rise))
+        value, _, _, rounding, _ = velocity_mismatch(rise, eta, zeta, push, A, rtol, no_wedge(rise))
         if is_late():
-            return Needed(End.LATE, zeta, math.inf, low, high)
+            return OrbitDampingRatio(SearchEnd.LATE, zeta, math.inf, low, high)
         if math.isnan(value):
-            return Needed(End.FAILED, zeta, math.inf, low, high)
+            return OrbitDampingRatio(SearchEnd.FAILED, zeta, math.inf, low, high)
         if value > 0.0:
             low = max(low, zeta)
         else:
@@ -317,22 +338,22 @@ def _search(rise: Rise, eta: float, push: float, A: float, rtol: float, zeta: fl
         closer, is_slow = zeta - value / slope, abs(value) > _SLOW * abs(before)
         last, before = zeta, value
         if abs(value) <= _CLOSE * rtol:
-            loose = gap(rise, eta, zeta, push, A, _LOOSER * rtol, no_wedge(rise)).value
+            loose = velocity_mismatch(rise, eta, zeta, push, A, _LOOSER * rtol, no_wedge(rise)).value
             off = abs(loose - value) + rounding + _BENT * abs(value)
             if rtol > PRECISE:
                 off += _LOOSER * rtol
             error = off / -slope + (PRECISE + _SHARE * rtol) * (abs(zeta) + largest)
             if error <= _UNSURE * (abs(zeta) + largest):
-                return Needed(End.CLOSED, closer, error, low, high)
+                return OrbitDampingRatio(SearchEnd.CLOSED, closer, error, low, high)
         if high - low < math.inf and high - low <= ROUNDING * max(abs(low), abs(high)):
-            return Needed(End.CLOSED, zeta, math.inf, low, high)
+            return OrbitDampingRatio(SearchEnd.CLOSED, zeta, math.inf, low, high)
         if abs(zeta) > _FARTHEST * (1.0 + abs(eta) + largest):
-            return Needed(End.NEVER, zeta, math.inf, low, high)
+            return OrbitDampingRatio(SearchEnd.NEVER, zeta, math.inf, low, high)
         if math.isfinite(value) and low < closer < high and not is_slow:
             zeta = closer
         else:
             zeta, reach = _inner(low, high, zeta, reach), 3.0 * reach
-    return Needed(End.FAILED, zeta, math.inf, low, high)
+    return OrbitDampingRatio(SearchEnd.FAILED, zeta, math.inf, low, high)
 
 
 @compilable
@@ -344,40 +365,44 @@ def _inner(low: float, high: float, zeta: float, reach: float) -> float:
 
 
 @compilable
-def needed_all(rise: Rise, columns: Any, rtol: float, rows: Any) -> None:
-    """Search for the damping ratios that many orbits need, from eta, push and A to rows as a `Needed` has them."""
+def search_damping_ratios(rise: Rise, columns: Any, rtol: float, rows: Any) -> None:
+    """Search for the damping ratios that many orbits need.
+
+    - `columns`: eta, push and A.
+    - `rows`: for what an `OrbitDampingRatio` has.
+    """
     eta, push, A = columns
     for i in range(len(A)):
-        need = needed(rise, eta[i], push[i], A[i], rtol)
+        need = search_damping_ratio(rise, eta[i], push[i], A[i], rtol)
         rows[i, 0] = need.end.value
         rows[i, 1], rows[i, 2], rows[i, 3], rows[i, 4] = need.zeta, need.error, need.low, need.high
 
 
 _UNKNOWN = {
-    End.FAILED.value: Unknown("friction is too strong, or its law too steep, for the bound on the work"),
-    End.LATE.value: Unknown("the time limit was reached"),
+    SearchEnd.FAILED.value: Unknown("friction is too strong, or its law too steep, for the bound on the work"),
+    SearchEnd.LATE.value: Unknown("the time limit was reached"),
 }
 
 
 def damping_ratios(rows: FloatArray) -> Column:
-    """Return the damping ratios in rows of `needed_all`.
+    """Return the damping ratios in rows of `search_damping_ratios`.
 
     One is infinite where no damping is enough, or none too little. Where less lets an orbit leave the speeds that
     were measured it is the one at which that begins.
     """
     end, zeta, error, low, high = rows.T
-    leaves, never = end == End.OUTSIDE, end == End.NEVER
+    leaves, never = end == SearchEnd.OUTSIDE, end == SearchEnd.NEVER
     values = np.where(never, np.copysign(np.inf, zeta), zeta)
     errors = np.where(never, 0.0, np.where(leaves, high - low, error))
     return Column.of_codes(values, errors, end, _UNKNOWN)
 
 
 @compilable
-def gaps_all(rise: Rise, columns: Any, rtol: float, wedge: Wedge, rows: Any) -> None:
-    """Find the gaps of many orbits, from eta, zeta, push and A to rows as a `Gap` has them."""
+def velocity_mismatches(rise: Rise, columns: Any, rtol: float, wedge: Wedge, rows: Any) -> None:
+    """Find the mismatches of many orbits, from eta, zeta, push and A to rows as a `VelocityMismatch` has them."""
     eta, zeta, push, A = columns
     for i in range(len(A)):
-        one = gap(rise, eta[i], zeta[i], push[i], A[i], rtol, wedge)
+        one = velocity_mismatch(rise, eta[i], zeta[i], push[i], A[i], rtol, wedge)
         rows[i, 0], rows[i, 1], rows[i, 2], rows[i, 3], rows[i, 4] = one
 
 
@@ -402,8 +427,10 @@ def _harmonic(rise: Rise, eta: float, A: float) -> tuple[float, float]:
     return zeta, largest
 
 
-def gap_at(system: Dimensionless, A: float, *, rtol: float, wedge: Wedge | None = None) -> Gap:
-    """Return the gap of an orbit at a system's own damping ratio: compiled, once that code is there.
+def velocity_mismatch_at(
+    system: NondimensionalOscillator, A: float, *, rtol: float, wedge: Wedge | None = None
+) -> VelocityMismatch:
+    """Return the mismatch of an orbit at a system's own damping ratio: compiled, once that code is there.
 
     - `A`: highest velocity over the belt's; 1 for the slip from P, static excess included.
     - `rtol`: relative tolerance of the steps along which its sign is decided, where coarser ones do not.
@@ -412,23 +439,23 @@ def gap_at(system: Dimensionless, A: float, *, rtol: float, wedge: Wedge | None 
     push = system.push(1) if A == 1.0 else 0.0
     orbit = system.eta, system.zeta, push, A
     check_time()
-    if is_ready(needed_all):
+    if is_ready(search_damping_ratios):
         source = no_wedge(system.rise) if wedge is None else wedge
         arrays = source._replace(pieces=np.array(source.pieces), shifts=np.array(source.shifts))
-        rows = np.empty((1, len(Gap._fields)))
-        system.spread(gaps_all, [np.array([value]) for value in orbit], (rtol, arrays), rows, few=0)
+        rows = np.empty((1, len(VelocityMismatch._fields)))
+        system.spread(velocity_mismatches, [np.array([value]) for value in orbit], (rtol, arrays), rows, few=0)
         value, slope, leaves, rounding, highest = rows[0].tolist()
-        found = Gap(value, slope, bool(leaves), rounding, highest)
+        found = VelocityMismatch(value, slope, bool(leaves), rounding, highest)
     elif wedge is None:
-        found = sure_gap(system.rise, *orbit, rtol)
+        found = mismatch_of_certain_sign(system.rise, *orbit, rtol)
     else:
-        found = gap(system.rise, *orbit, rtol, wedge)
+        found = velocity_mismatch(system.rise, *orbit, rtol, wedge)
     check_time()
     return found
 
 
-def needed_ratio(
-    system: Dimensionless, A: float = 1.0, *, rtol: float = TIGHT, fast: bool = False
+def orbit_damping_ratio(
+    system: NondimensionalOscillator, A: float = 1.0, *, rtol: float = TIGHT, fast: bool = False
 ) -> tuple[float, float]:
     """Return the damping ratio that an orbit needs, and its error.
 
@@ -446,20 +473,20 @@ def needed_ratio(
     eta, push = system.eta, system.push(1) if A == 1.0 else 0.0
     orbit: list[FloatArray] = [np.array([value]) for value in (eta, push, A)]
     rows = np.empty((1, 5))
-    fast = (fast and is_compiling()) or is_ready(needed_all)
-    system.spread(needed_all, orbit, (rtol,), rows, few=0 if fast else 1)
+    fast = (fast and is_compiling()) or is_ready(search_damping_ratios)
+    system.spread(search_damping_ratios, orbit, (rtol,), rows, few=0 if fast else 1)
     end, zeta, error, low, high = rows[0].tolist()
-    if end == End.LATE or is_late():  # then the last gap may be wrong
+    if end == SearchEnd.LATE or is_late():  # then the last mismatch may be wrong
         raise OutOfTime(
             f"the time limit was reached; the best value so far is c = {2 * zeta:.6g} sqrt(k m), and c lies "
             f"between {2 * low:.6g} and {2 * high:.6g} times sqrt(k m)"
         )
-    if end == End.CLOSED:
+    if end == SearchEnd.CLOSED:
         return zeta, error
-    if end == End.OUTSIDE and math.isfinite(system.w_max):
+    if end == SearchEnd.OUTSIDE and math.isfinite(system.w_max):
         raise system.unmeasured(system.w_max)
     place = f"at eta = {eta:g} and V = {system.V:g} m/s"
-    if end == End.NEVER:
+    if end == SearchEnd.NEVER:
         raise NoThreshold(
             f"the slip that follows stick returns to the belt's speed for every damping, or for none, {place}"
         )

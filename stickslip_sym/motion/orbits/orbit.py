@@ -27,7 +27,7 @@ from stickslip_sym.core.aliases import ComplexArray, FloatArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.criteria.rule import gauss_average
 from stickslip_sym.model.bound import BoundLaw
-from stickslip_sym.motion.orbits.expansion import coefficients, of_layer, values
+from stickslip_sym.motion.orbits.expansion import damping_of_layer, fourier_coefficients, values
 
 _GRIDS = (32, 64, 128, 192)  # points a period; finer ones take longer than a simulation
 _MOST_STEPS = 10  # of Newton's method
@@ -116,7 +116,7 @@ def _tail(size: FloatArray) -> float:
     return last * min(1.0, last / before) if before else last
 
 
-def _parts(rows: ComplexArray) -> FloatArray:
+def _real_and_imaginary_parts(rows: ComplexArray) -> FloatArray:
     """Return the real parts of rows and then the imaginary ones."""
     return np.concatenate([rows.real, rows.imag])
 
@@ -177,7 +177,7 @@ class _Orbit:
         V, strength = np.array([self.V]), np.array([self.strength])
         if not self.sees():
             return math.inf
-        layer = float(of_layer(self.law, V, strength, len(self.z))[0]) if self.A == 1 else 0.0
+        layer = float(damping_of_layer(self.law, V, strength, len(self.z))[0]) if self.A == 1 else 0.0
         return abs(seen - self.harmonic) + layer
 
     def improve(self) -> tuple[float, FloatArray, float]:
@@ -203,9 +203,9 @@ class _Orbit:
         """Return the derivatives of d: the equations are solved for what other slopes add to their right side."""
         velocity, n = self.velocity, np.arange(1, len(self.z))
         rate, speed = values(1j * np.arange(len(self.z)) * self.z), self.V * np.abs(1 - velocity)
-        pushes = [coefficients(-law.at_speeds(speed, derivative=True) * rate)[1:] / n**2 for law in added]
+        pushes = [fourier_coefficients(-law.at_speeds(speed, derivative=True) * rate)[1:] / n**2 for law in added]
         matrix, _, _ = self.equations(self.g(velocity))
-        return np.asarray(dgesv(matrix, _parts(np.transpose(pushes)))[2][-2])
+        return np.asarray(dgesv(matrix, _real_and_imaginary_parts(np.transpose(pushes)))[2][-2])
 
     def equations(self, g: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the balance of the harmonics 1 to K: its matrix, its residual, and the sizes of its right side.
@@ -217,7 +217,7 @@ class _Orbit:
         size, K = len(g), len(self.z) - 1
         n = np.arange(1, K + 1)
         excess = g - self.d
-        push = coefficients(excess * values(1j * np.arange(K + 1) * self.z))
+        push = fourier_coefficients(excess * values(1j * np.arange(K + 1) * self.z))
         # The positive root of frequency - 1/frequency = sigma, and its inverse, without cancellation.
         root = np.hypot(1.0, self.sigma / 2) + abs(self.sigma) / 2
         fast, slow = (root, 1 / root) if self.sigma >= 0 else (1 / root, root)
@@ -242,4 +242,4 @@ class _Orbit:
         by_fast = 1 / (1 + slow**2)
         by_sigma = ((by_fast - 1) / n**2 - by_fast) * self.z[1:]
         matrix = np.column_stack([cosine, sine, 1j * self.z[1:] / n, by_sigma])
-        return _parts(matrix), _parts(residual), np.abs(push)
+        return _real_and_imaginary_parts(matrix), _real_and_imaginary_parts(residual), np.abs(push)

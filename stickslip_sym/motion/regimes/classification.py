@@ -17,7 +17,7 @@ from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
-from stickslip_sym.motion.kernel.data import ADDED, End
+from stickslip_sym.motion.kernel.data import ADDED, SlipEnd
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.regime import kept_regime
 from stickslip_sym.motion.simulation.simulate import read_initial_conditions
@@ -137,15 +137,18 @@ def followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray,
     begun = np.where((w == 0) & (side > 0), q, np.nan)  # where slip slower than the belt began, outside P's orbit
     while left.size:
         slips = system.slips(
-            q[left], w[left], side[left], passes=side[left] > 0, until=End.MINIMUM, rtol=rtol, workers=workers
+            q[left], w[left], side[left], passes=side[left] > 0, until=SlipEnd.MINIMUM, rtol=rtol, workers=workers
         )
-        decide(left[slips.end == End.REST], lambda: plane.at_rest)
-        turned = slips.end == End.MINIMUM
+        decide(left[slips.end == SlipEnd.REST], lambda: plane.at_rest)
+        turned = slips.end == SlipEnd.MINIMUM
         decide(left[turned], partial(plane.of_peaks, 1 - slips.w[turned]))
-        late, lost = slips.end == End.LATE, np.isin(slips.end, (End.OUTSIDE, End.STEPS, End.FAILED))
+        late, lost = (
+            slips.end == SlipEnd.LATE,
+            np.isin(slips.end, (SlipEnd.OUTSIDE, SlipEnd.STEPS, SlipEnd.FAILED)),
+        )
         for rows in filter(len, [np.flatnonzero(late), *np.flatnonzero(lost)[:, None]]):
             fates[left[rows]] = system.refusal(slips.one(rows[0]), rtol) or plane.beyond
-        back = slips.end == End.RETURN
+        back = slips.end == SlipEnd.RETURN
         stuck = back & system.sticks(slips.q)
         decide(left[stuck], lambda: plane.from_onset)
         left, ends = left[back & ~stuck], slips.q[back & ~stuck]

@@ -33,7 +33,7 @@ from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.model.table import FrictionTable
 from stickslip_sym.motion.kernel.data import ADDED, PRECISE
-from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.numerics.known import Column, Unknown
 from stickslip_sym.numerics.resolved import resolve
 from stickslip_sym.numerics.subdivide import joined
@@ -60,7 +60,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(_DEGREE // 2 + 1)  # exact fo
 Kind = Literal["cycle", "jump", "open"]
 
 
-class Mark(NamedTuple):
+class FixedPoint(NamedTuple):
     """Two displacements, and what lies between: a limit cycle, a jump of R past q, or what is not resolved.
 
     Between two different ones a limit cycle is stable: all rounds about it come to it at once, but for rounding.
@@ -79,7 +79,7 @@ class Rounds(NamedTuple):
       between two, and after the last.
     """
 
-    marks: tuple[Mark, ...]
+    marks: tuple[FixedPoint, ...]
     growth: tuple[int, ...]
 
 
@@ -98,7 +98,7 @@ def _bounded(table: FrictionTable, V: float) -> tuple[FloatArray, FloatArray, Fl
     return edges, low + width * _POWERS / _DEGREE, table.onset + powers @ _BERNSTEIN
 
 
-def reaches(system: Dimensionless, eta: FloatArray, zeta: FloatArray) -> FloatArray:
+def reaches(system: NondimensionalOscillator, eta: FloatArray, zeta: FloatArray) -> FloatArray:
     """Return how far out closed orbits may lie that overtake the belt, by their losses, for many oscillators.
 
     Where it is 0 or less there is none. It is infinite where a(w) < 0 somewhere.
@@ -118,7 +118,7 @@ def reaches(system: Dimensionless, eta: FloatArray, zeta: FloatArray) -> FloatAr
         return np.where((low >= 0) & (low + damping > 0), gain / (2 * (low + damping)) - 2 * s, math.inf)
 
 
-def reach(system: Dimensionless) -> float:
+def reach(system: NondimensionalOscillator) -> float:
     """Return a displacement beyond which no orbit is closed; infinite if a has no certain sign far out."""
     edges, w, mu = _bounded(system.table, system.V)
     a = system.eta * mu + 2 * system.zeta * w
@@ -139,7 +139,7 @@ def reach(system: Dimensionless) -> float:
     return least
 
 
-def rounds_outside(system: Dimensionless, rtol: float) -> Rounds:
+def rounds_outside(system: NondimensionalOscillator, rtol: float) -> Rounds:
     """Return where rounds outside P's orbit grow and shrink, with steps of a relative tolerance."""
     bound = float(reaches(system, np.array([system.eta]), np.array([system.zeta]))[0])
     if bound <= 0:
@@ -149,58 +149,58 @@ def rounds_outside(system: Dimensionless, rtol: float) -> Rounds:
     check_time()
     first = from_P.ends.at(0)
     if isinstance(first, Unknown):
-        return Rounds((Mark(0.0, math.inf, "open"),), (0, 0))
+        return Rounds((FixedPoint(0.0, math.inf, "open"),), (0, 0))
     if first >= bound:  # as where it moves away for ever
         return Rounds((), (1,))
     far = min(bound, _FARTHEST * max(1.0, first))
     if system.table.static == 0 and not from_P.slower[0]:
         inner, low = _sink(system, first, far, rtol)
     elif first == 0:
-        inner, low = _held(system, far, rtol)
+        inner, low = _rounds_that_stick(system, far, rtol)
     else:
         inner, low = Rounds((), (1,)), _INSIDE * first
     if low >= far:
         return inner
-    outer = _beyond(system, low, far, rtol)
+    outer = _rounds_between(system, low, far, rtol)
     marks, growth = (*inner.marks, *outer.marks), (*inner.growth[:-1], *outer.growth)
     if far < bound:
-        return Rounds((*marks, Mark(far, math.inf, "open")), (*growth, 0))
+        return Rounds((*marks, FixedPoint(far, math.inf, "open")), (*growth, 0))
     return Rounds(marks, growth)
 
 
-def _end(system: Dimensionless, q: float, rtol: float) -> float | Unknown:
+def _end_of_round(system: NondimensionalOscillator, q: float, rtol: float) -> float | Unknown:
     """Return where one round ends."""
     ends = system.rounds(np.array([q]), rtol, few=0).ends
     check_time()
     return ends.at(0)
 
 
-def _held(system: Dimensionless, far: float, rtol: float) -> tuple[Rounds, float]:
+def _rounds_that_stick(system: NondimensionalOscillator, far: float, rtol: float) -> tuple[Rounds, float]:
     """Return what rounds do up to where none sticks any more, and from where they are to be looked at.
 
     Up to there they shrink. Where static friction holds a mass, faster than the belt, up to one displacement, R
     jumps.
     """
     inside, low = far * _NEAREST, far
-    at_inside, at_low = (_end(system, q, rtol) for q in (inside, low))
+    at_inside, at_low = (_end_of_round(system, q, rtol) for q in (inside, low))
     if isinstance(at_low, Unknown) or isinstance(at_inside, Unknown):
-        return Rounds((Mark(0.0, far, "open"),), (0, 0)), far
+        return Rounds((FixedPoint(0.0, far, "open"),), (0, 0)), far
     if at_low <= 0:
         return Rounds((), (-1,)), far
     if at_inside > 0:
         inside, low, at_low = 0.0, inside, at_inside
     while at_low > inside and low > inside * (1 + _BESIDE) and inside > 0:
         middle = math.sqrt(inside * low)
-        R = _end(system, middle, rtol)
+        R = _end_of_round(system, middle, rtol)
         if isinstance(R, Unknown):
             break
         inside, low, at_low = (middle, low, at_low) if R <= 0 else (inside, middle, R)
     if at_low > inside:
-        return Rounds((Mark(inside, low, "jump"),), (-1, 1)), low
+        return Rounds((FixedPoint(inside, low, "jump"),), (-1, 1)), low
     return Rounds((), (-1,)), low
 
 
-def _sink(system: Dimensionless, first: float, far: float, rtol: float) -> tuple[Rounds, float]:
+def _sink(system: NondimensionalOscillator, first: float, far: float, rtol: float) -> tuple[Rounds, float]:
     """Return the same of a law with mu(0) = 0, whose rounds may all come to one displacement but for rounding.
 
     So they do where the mass slips so slowly beside the belt's speed that it all but sticks. R never falls: all
@@ -216,7 +216,7 @@ def _sink(system: Dimensionless, first: float, far: float, rtol: float) -> tuple
     low, beyond = float(q[last]), float(q[min(last + 1, _LOOKS - 1)])
     while beyond > low * (1 + _BESIDE):
         middle = math.sqrt(low * beyond)
-        R = _end(system, middle, rtol)
+        R = _end_of_round(system, middle, rtol)
         comes_in = not isinstance(R, Unknown) and middle / _DRAWN >= R
         low, beyond = (middle, beyond) if comes_in else (low, middle)
     slips = [
@@ -225,10 +225,10 @@ def _sink(system: Dimensionless, first: float, far: float, rtol: float) -> tuple
     ]
     periods = [slip.tau.item() for slip in slips]
     kind: Kind = "cycle" if abs(periods[0] - periods[1]) <= _ALIKE * periods[0] else "open"
-    return Rounds((Mark(0.0, low / _DRAWN, kind),), (1, -1)), low
+    return Rounds((FixedPoint(0.0, low / _DRAWN, kind),), (1, -1)), low
 
 
-def _beyond(system: Dimensionless, low: float, far: float, rtol: float) -> Rounds:
+def _rounds_between(system: NondimensionalOscillator, low: float, far: float, rtol: float) -> Rounds:
     """Return what rounds do between two displacements: (R - q)/(R + q) is resolved in log q."""
 
     def growth(x: FloatArray) -> Column:
@@ -241,21 +241,21 @@ def _beyond(system: Dimensionless, low: float, far: float, rtol: float) -> Round
             errors = 2 * q * ends.errors / (R + q) ** 2
         return Column.of(grown, np.maximum(np.nan_to_num(errors), least), _LOST)
 
-    marks, least = list[Mark](), ADDED * rtol
+    marks, least = list[FixedPoint](), ADDED * rtol
     growths = resolve(growth, [math.log(low), math.log(far)], rtol=least, most=_MOST)
     for begin, end in np.exp(joined(one[:2] for one in growths.open)).tolist():
         R = system.rounds(np.array([begin, end]), rtol, few=0).ends
         passes = R.surely(below=begin)[1] or R.surely(above=end)[0]
         if not passes:
-            marks.append(Mark(begin, end, "open"))
+            marks.append(FixedPoint(begin, end, "open"))
     folds = [math.exp(turn.x) for turn in growths.turns[1:-1] if abs(turn.value) <= turn.error]
-    marks += [Mark(q, q, "open") for q in folds]  # two cycles, or none
+    marks += [FixedPoint(q, q, "open") for q in folds]  # two cycles, or none
     for root in growths.roots():
         off, before, after = (abs(growths(x)) > least for x in root)
         kind: Kind = "jump" if off else "cycle" if before and after else "open"  # within errors
         if growths(root.low) > 0 > growths(root.high) and before and after:
             kind = "cycle"  # R never falls, and so does not jump there: it is all but constant
-        marks.append(Mark(math.exp(root.x), math.exp(root.x), kind))
+        marks.append(FixedPoint(math.exp(root.x), math.exp(root.x), kind))
     marks.sort()
     begins, lasts = [low, *(mark.high for mark in marks)], [*(mark.low for mark in marks), far]
     between = [growths((math.log(begin) + math.log(end)) / 2) for begin, end in zip(begins, lasts, strict=True)]

@@ -26,17 +26,17 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.negative import note_at_rest
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
-from stickslip_sym.motion.kernel.data import ADDED, End
+from stickslip_sym.motion.kernel.data import ADDED, SlipEnd
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles
 from stickslip_sym.motion.orbits.damping import NEAREST, needed_damping
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS
-from stickslip_sym.motion.regimes.overtaking import Mark, Rounds, rounds_outside
+from stickslip_sym.motion.regimes.overtaking import FixedPoint, Rounds, rounds_outside
 from stickslip_sym.motion.regimes.separatrix import Separatrix, interpolated
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle, first_minimum, stick_slip_cycle
 from stickslip_sym.motion.simulation.simulate import simulate
-from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.numerics.known import Unknown
 from stickslip_sym.output import drawing, markup
 from stickslip_sym.output.data import DataResult
@@ -107,9 +107,9 @@ class Regime(drawing.Drawn, DataResult):
     rtol: float
 
     @cached_property
-    def system(self) -> Dimensionless:
+    def system(self) -> NondimensionalOscillator:
         """The oscillator free of units."""
-        return Dimensionless.of(self.law.bound, self.oscillator)
+        return NondimensionalOscillator.of(self.law.bound, self.oscillator)
 
     @cached_property
     def height(self) -> float | Unknown:
@@ -173,7 +173,7 @@ class Regime(drawing.Drawn, DataResult):
             return (self._growth_of_all,)
         need, damping = needed_damping(self.law, self.oscillator), 2 * self.oscillator.zeta
         bounds = [0.0, *(cycle.amplitude / self.oscillator.V for cycle in self.slip_cycles), 1.0]
-        return tuple(int(np.sign(need.gap((low + high) / 2, damping))) for low, high in pairwise(bounds))
+        return tuple(int(np.sign(need.mismatch((low + high) / 2, damping))) for low, high in pairwise(bounds))
 
     @cached_property
     def _growth_of_all(self) -> int:
@@ -209,7 +209,7 @@ class Regime(drawing.Drawn, DataResult):
         """
         return tuple(self._overtaking(mark) for mark in self.outside.marks if mark.kind == "cycle")
 
-    def _overtaking(self, mark: Mark) -> LimitCycle:
+    def _overtaking(self, mark: FixedPoint) -> LimitCycle:
         """Return the limit cycle at a mark outside P's orbit."""
         system, q, slope = self.system, mark.low, -1.0
         if mark.low == mark.high:
@@ -324,8 +324,8 @@ class Regime(drawing.Drawn, DataResult):
         back = self.system.backward
         for w in least:
             # Backward, since unstable orbits attract those beside them then.
-            slip = back.slip(-self.system.turn(w), w, until=End.MINIMUM, rtol=self.rtol, recorded=True)
-            if slip.end is not End.OUTSIDE:
+            slip = back.slip(-self.system.turn(w), w, until=SlipEnd.MINIMUM, rtol=self.rtol, recorded=True)
+            if slip.end is not SlipEnd.OUTSIDE:
                 curve = interpolated(back, slip, self.rtol)
                 separatrices.append(Separatrix("limit cycle" if w else "graze", *curve, onset, self.oscillator))
         return tuple(separatrices)

@@ -13,14 +13,14 @@ from scipy.interpolate import PPoly
 
 from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.slip import Dimensionless, Slip
+from stickslip_sym.motion.slip import NondimensionalOscillator, Slip
 from stickslip_sym.output.data import DataResult
 
 _SAMPLES = 257  # of a separatrix, in its public arrays
 _DEGREE = 12  # of the polynomials within a step, whose remainder is below the tolerance of steps of order 8
 
 
-def interpolated(back: Dimensionless, slip: Slip[float], rtol: float) -> tuple[Any, Any]:
+def interpolated(back: NondimensionalOscillator, slip: Slip[float], rtol: float) -> tuple[Any, Any]:
     """Return q and w along a recorded slip of a system backward in time, as polynomials in each of its steps."""
     steps = [step for step in slip.steps if step.length > 0]
     nodes = (1 + chebyshev.chebpts2(_DEGREE + 1)) / 2

@@ -17,8 +17,8 @@ from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.kernel.data import End
-from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.kernel.data import SlipEnd
+from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.output import markup
 from stickslip_sym.output.data import DataResult
 
@@ -96,9 +96,9 @@ def stick_slip_cycle(
     """
     law, rtol = as_law(law), read_rtol(rtol)
     with deadline.time_limit(time_limit):
-        system = Dimensionless.of(law.bound, osc)
-        slip = system.slip(0.0, 0.0, passes=1, until=End.MINIMUM, level=1.0, rtol=rtol)
-    if slip.end is not End.RETURN or not system.sticks(slip.q):
+        system = NondimensionalOscillator.of(law.bound, osc)
+        slip = system.slip(0.0, 0.0, passes=1, until=SlipEnd.MINIMUM, level=1.0, rtol=rtol)
+    if slip.end is not SlipEnd.RETURN or not system.sticks(slip.q):
         return None
     onset = osc.onset(law)
     return StickSlipCycle(
@@ -139,7 +139,7 @@ def peak_velocity(law: FrictionLaw | str, osc: Oscillator, *, rtol: float = 1e-1
     >>> [round(ss.peak_velocity(law, ss.Oscillator(m=1, k=100, c=c, V=0.5, N=9.81)), 6) for c in (2.5, 2.7)]
     [0.513853, 0.475376]
     """
-    height = first_minimum(Dimensionless.of(as_law(law).bound, osc), 0.0, 0.0, read_rtol(rtol))
+    height = first_minimum(NondimensionalOscillator.of(as_law(law).bound, osc), 0.0, 0.0, read_rtol(rtol))
     if math.isinf(height):
         raise NotConverged("the velocity has no peak after the slip from P, it falls for ever; try a larger c")
     if height == 1:
@@ -150,17 +150,17 @@ def peak_velocity(law: FrictionLaw | str, osc: Oscillator, *, rtol: float = 1e-1
     return osc.V * (1 - height)
 
 
-def first_minimum(system: Dimensionless, q: float, w: float, rtol: float) -> float:
+def first_minimum(system: NondimensionalOscillator, q: float, w: float, rtol: float) -> float:
     """Return the first minimum of the slip speed, over V, after a state below the belt's speed.
 
     Where the mass returns it is -w'^2/2, which continues the minimum through 0 with its value and its slope, and
     -infinity where the mass moves away for ever; where it creeps to rest it is 1.
     """
-    slip = system.slip(q, w, until=End.MINIMUM, rtol=rtol)
+    slip = system.slip(q, w, until=SlipEnd.MINIMUM, rtol=rtol)
     least = {
-        End.RETURN: -(slip.rate**2) / 2,
-        End.OUTSIDE: -math.inf,
-        End.MINIMUM: slip.w,
-        End.REST: 1.0,
+        SlipEnd.RETURN: -(slip.rate**2) / 2,
+        SlipEnd.OUTSIDE: -math.inf,
+        SlipEnd.MINIMUM: slip.w,
+        SlipEnd.REST: 1.0,
     }
     return least[slip.end]

@@ -22,10 +22,10 @@ from stickslip_sym.core.numbers import read_array, read_rtol, real
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
-from stickslip_sym.motion.kernel.data import End
+from stickslip_sym.motion.kernel.data import SlipEnd
 from stickslip_sym.motion.simulation.reference import simulate_by_solve_ivp
 from stickslip_sym.motion.simulation.trajectory import Outcome, Phase, Stretch, Trajectories, Trajectory
-from stickslip_sym.motion.slip import Dimensionless, Slip
+from stickslip_sym.motion.slip import NondimensionalOscillator, Slip
 
 _PERIODS = 10  # of free vibration, that a motion is followed for
 
@@ -138,7 +138,7 @@ def _one(
     law: FrictionLaw, osc: Oscillator, x0: float, v0: float, t_end: float, rtol: float, max_steps: int
 ) -> Trajectory:
     """Return the motion from one initial condition; its samples hold the extremes of x and of v."""
-    system, x_P, horizon = Dimensionless.of(law.bound, osc), osc.onset(law), t_end * osc.omega
+    system, x_P, horizon = NondimensionalOscillator.of(law.bound, osc), osc.onset(law), t_end * osc.omega
     stretches, known = list[Stretch](), dict[float, Slip[float]]()
     outcome, note = Outcome.FINISHED, ""
     tau, steps, q, u = 0.0, 0, (x0 - x_P) / osc.length, v0 / osc.V
@@ -160,7 +160,7 @@ def _one(
             if isinstance(refusal, InputError) and not slip.taken:
                 raise refusal
             taken = int(slip.taken)
-            if w == 0 and slip.end is End.RETURN:
+            if w == 0 and slip.end is SlipEnd.RETURN:
                 known[q] = slip
         since, places, speeds = np.array([*(step[:3] for step in slip.steps), (slip.tau, slip.q, slip.w)]).T
         samples = np.array([
@@ -170,18 +170,18 @@ def _one(
         course = partial(_course, system, osc, x_P, rtol, slip, tau, side) if slip.steps else None
         stretches.append(Stretch(phase, samples, course))
         tau, q, w, u, steps = tau + slip.tau, slip.q, slip.w, 1.0, steps + taken
-        if slip.end is not End.RETURN:
+        if slip.end is not SlipEnd.RETURN:
             outcome, note = _outcome_of(system, slip, rtol)
             break
     if outcome is Outcome.AT_REST:
-        end, x_rest = stretches[-1].end, _at_rest(system, osc, x_P, w, stretches[-1].samples[1, -1])
+        end, x_rest = stretches[-1].end, _position_at_rest(system, osc, x_P, w, stretches[-1].samples[1, -1])
         stretches.append(Stretch(stretches[-1].phase, np.array([[end, t_end], [x_rest, x_rest], [0.0, 0.0]])))
     return Trajectory(osc, rtol, tuple(stretches), outcome, note)
 
 
 def _course(
-    system: Dimensionless, osc: Oscillator, x_P: float, rtol: float, slip: Slip[float], begin: float, side: float,
-    t: FloatArray,
+    system: NondimensionalOscillator, osc: Oscillator, x_P: float, rtol: float, slip: Slip[float], begin: float,
+    side: float, t: FloatArray,
 ) -> FloatArray:  # fmt: skip
     """Return the rows x and v at times within a slip that began at tau = begin."""
     tau = np.clip(t * osc.omega - begin, 0.0, slip.tau)
@@ -190,7 +190,7 @@ def _course(
     return np.array([x_P + osc.length * q, osc.V * (1 - side * w)])
 
 
-def _at_rest(system: Dimensionless, osc: Oscillator, x_P: float, w: float, x: float) -> float:
+def _position_at_rest(system: NondimensionalOscillator, osc: Oscillator, x_P: float, w: float, x: float) -> float:
     """Return where a mass is at rest that came to x: where rest is isolated it is known better than integrated.
 
     A jump of mu holds the mass wherever it is.
@@ -198,10 +198,10 @@ def _at_rest(system: Dimensionless, osc: Oscillator, x_P: float, w: float, x: fl
     return x if w == 1 and 1.0 in system.rise.levels else x_P + osc.length * system.turn(1.0)
 
 
-_OUTCOMES = {End.REST: Outcome.AT_REST, End.STEPS: Outcome.STEP_LIMIT, End.LATE: Outcome.TIME_LIMIT}
+_OUTCOMES = {SlipEnd.REST: Outcome.AT_REST, SlipEnd.STEPS: Outcome.STEP_LIMIT, SlipEnd.LATE: Outcome.TIME_LIMIT}
 
 
-def _outcome_of(system: Dimensionless, slip: Slip[float], rtol: float) -> tuple[Outcome, str]:
+def _outcome_of(system: NondimensionalOscillator, slip: Slip[float], rtol: float) -> tuple[Outcome, str]:
     """Return what the end of a slip says of the whole motion, and why it does not go on."""
     if slip.end in _OUTCOMES:
         return _OUTCOMES[slip.end], ""
@@ -216,7 +216,7 @@ def _many(
     workers: int,
 ) -> Trajectories:  # fmt: skip
     """Return the ends of the motions from many initial conditions."""
-    system, x_P, horizon = Dimensionless.of(law.bound, osc), osc.onset(law), t_end * osc.omega
+    system, x_P, horizon = NondimensionalOscillator.of(law.bound, osc), osc.onset(law), t_end * osc.omega
     q, u = (x0.ravel() - x_P) / osc.length, v0.ravel() / osc.V
     w, side = system.slip_speed(q, u)
     lowest, highest = np.array([q, u]), np.array([q, u])
@@ -235,7 +235,7 @@ def _many(
     highest[:, slipping] = slips.q_most, 1 - slips.u_least
     for end, word in _OUTCOMES.items():
         outcome[slipping[slips.end == end]] = word
-    for i in np.flatnonzero(np.isin(slips.end, (End.OUTSIDE, End.FAILED))).tolist():
+    for i in np.flatnonzero(np.isin(slips.end, (SlipEnd.OUTSIDE, SlipEnd.FAILED))).tolist():
         outcome[slipping[i]], _ = _outcome_of(system, slips.one(i), rtol)
 
     held = np.flatnonzero((w == 0) & (q < 0) & system.sticks(q) & (tau < horizon))
@@ -252,7 +252,7 @@ def _many(
     for extremes in (lowest, highest):
         extremes[:] = x_P + osc.length * extremes[0], osc.V * extremes[1]
     for i in np.flatnonzero(outcome == Outcome.AT_REST).tolist():
-        t[i], x[i], v[i] = t_end, _at_rest(system, osc, x_P, w[i], x[i]), 0.0
+        t[i], x[i], v[i] = t_end, _position_at_rest(system, osc, x_P, w[i], x[i]), 0.0
     if came.size:
         rest = t_end - t[came]
         course = _one(law, osc, x_P, osc.V, float(rest.max()), rtol, max_steps)

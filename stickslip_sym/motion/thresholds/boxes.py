@@ -140,7 +140,7 @@ def flow(segment: Segment, q: arb, w: arb, terms: int, *, start: bool = False) -
     """
     rho, radius_q, radius_w = _polydisc(segment, q, w)
     try:
-        polynomials = _taylor(segment, q, w, terms, start)
+        polynomials = _taylor_polynomials(segment, q, w, terms, start)
     except (ValueError, ZeroDivisionError) as error:  # a series is divided by one whose first ball holds 0
         raise Undecided(f"the field has no power series around w = {w.str(6)}: {error}") from None
     time = arb(float(rho) * _SHARE)
@@ -174,7 +174,7 @@ def _polydisc(segment: Segment, q: arb, w: arb) -> tuple[arb, float, float]:
     return best
 
 
-def _taylor(segment: Segment, q: arb, w: arb, terms: int, start: bool) -> tuple[arb_poly, arb_poly]:
+def _taylor_polynomials(segment: Segment, q: arb, w: arb, terms: int, start: bool) -> tuple[arb_poly, arb_poly]:
     """Return Taylor polynomials by Newton's iteration, which doubles the number of terms each time.
 
     What the first k of them leave over in the equations is linear in the next k, up to order 2k.
@@ -232,11 +232,11 @@ def transit(point: ExactPoint, c: Rational | Fraction, bits: int) -> Transit:
     Raises `Undecided` with the words where the boxes grew too wide to tell.
     """
     with working_precision(bits):
-        return _Walk(point, c, bits).run()
+        return ValidatedIntegrator(point, c, bits).run()
 
 
-class _Walk:
-    """A box on its way from P."""
+class ValidatedIntegrator:
+    """Integration of the slip from P in balls: a box of states on its way, and what it was shown to do."""
 
     def __init__(self, point: ExactPoint, c: Rational | Fraction, bits: int) -> None:
         self.segments = point.segments(sp.Rational(c))
@@ -249,9 +249,11 @@ class _Walk:
 
     @property
     def segment(self) -> Segment:
+        """The smooth piece of the law in which the box is."""
         return self.segments[self.number]
 
     def run(self) -> Transit:
+        """Integrate until it is shown that the slip returns, or that it does not."""
         while self.steps < _MOST_STEPS:
             check_time()
             if self.steps and self.number == 0 and (most := self._falls_to_zero()) is not None:

@@ -1,9 +1,9 @@
 """The pure-slip threshold by simulation: the damping at which the slip from P grazes the belt's speed.
 
 Nothing here knows a closed form, so the threshold is a check of every criterion. It is the needed damping of the
-orbit with A = 1 (`needed`), for every law. Its derivatives follow from the same two halves: at the threshold the
-gap is 0, so dzeta/dp = -(dgap/dp)/(dgap/dzeta) for every quantity p. Where the highest slip speed touches one at
-which mu drops the gap steps past 0, and what is 0 is the distance between the two.
+orbit with A = 1 (`search_damping_ratio`), for every law. Its derivatives follow from the same two halves: at the
+threshold the mismatch is 0, so dzeta/dp = -(dg/dp)/(dg/dzeta) for every quantity p. Where the highest slip speed
+touches one at which mu drops the mismatch steps past 0, and what is 0 is the distance between the two.
 """
 
 import math
@@ -16,9 +16,9 @@ from stickslip_sym.model.expression.pieces import places, rate
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import Pieces
-from stickslip_sym.motion.kernel.data import ADDED, PRECISE, TIGHT, End, Wedge
-from stickslip_sym.motion.orbits.needed import PARTED, ROUNDING, STRONG, gap_at, needed_ratio
-from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.kernel.data import ADDED, PRECISE, TIGHT, SlipEnd, Wedge
+from stickslip_sym.motion.orbits.needed import PARTED, ROUNDING, STRONG, orbit_damping_ratio, velocity_mismatch_at
+from stickslip_sym.motion.slip import NondimensionalOscillator
 
 _LOOSEST = 1e-9  # relative error that is sought in any case: it costs about twice as much as 1e-3
 _LOOSEST_STRONG = 1e-8  # the same where friction is strong: 1e-9 would often take a second search
@@ -27,7 +27,7 @@ _FAR = 10.0  # errors from a threshold at which the fate of the slip from P is a
 _CLEAR = 3.0  # times the errors of a slip as a whole, from where its fate is certain
 _OF_SPRING = 0.1  # friction may be far weaker than the spring, whose share of these errors is that
 _MOST_STEPS = 2000  # of such a slip: the search for a threshold takes about as many
-_WEAK = 1e-7  # eta below which the changes of a gap may be nothing but rounding
+_WEAK = 1e-7  # eta below which the changes of a mismatch may be nothing but rounding
 _SAME = 1e-8  # relative distance of two slip speeds that are one, as the highest and one at which mu jumps
 
 
@@ -41,20 +41,20 @@ def grazing_damping(law: BoundLaw, osc: Oscillator, *, rtol: float, fast: bool =
     The damping is negative where the slip does not return without any. One that is not computed among many is
     confirmed by the slip from P, which returns with a little less of it, and does not with a little more.
 
-    Raises as `needed_ratio`, and `NotConverged` where the slip does something else.
+    Raises as `orbit_damping_ratio`, and `NotConverged` where the slip does something else.
     """
-    system = Dimensionless.of(law, osc)
+    system = NondimensionalOscillator.of(law, osc)
     loosest = _LOOSEST
     if abs(system.eta) > STRONG:
         loosest = _LOOSEST_STRONG
-    zeta, error = needed_ratio(system, rtol=min(rtol, loosest), fast=fast)
+    zeta, error = orbit_damping_ratio(system, rtol=min(rtol, loosest), fast=fast)
     unit = 2 * osc.impedance
     if not fast:
         _confirm(system, zeta, _FAR * error)
     return zeta * unit, error * unit
 
 
-def _confirm(system: Dimensionless, zeta: float, off: float) -> None:
+def _confirm(system: NondimensionalOscillator, zeta: float, off: float) -> None:
     """Follow the slip from P at damping ratios on both sides of the threshold.
 
     They are as far from it as the errors of the slip itself, whose steps are not those of the two halves. One that
@@ -66,10 +66,13 @@ def _confirm(system: Dimensionless, zeta: float, off: float) -> None:
     errors = ADDED * (largest + _OF_SPRING)  # of a slip, over the tolerance of its steps
     off = max(off, _CLEAR * errors * PRECISE)
     steps = off / (_CLEAR * errors)
-    fates = ((zeta - off, (End.MINIMUM, End.REST), "does not return"), (zeta + off, (End.RETURN,), "returns"))
+    fates = (
+        (zeta - off, (SlipEnd.MINIMUM, SlipEnd.REST), "does not return"),
+        (zeta + off, (SlipEnd.RETURN,), "returns"),
+    )
     for ratio, refuting, does in fates:
         beside = replace(system, zeta=ratio)
-        slip = beside.slip(0.0, 0.0, until=End.MINIMUM, level=1.0, rtol=steps, most=_MOST_STEPS)
+        slip = beside.slip(0.0, 0.0, until=SlipEnd.MINIMUM, level=1.0, rtol=steps, most=_MOST_STEPS)
         check_time()
         if slip.end in refuting:
             raise NotConverged(
@@ -82,23 +85,23 @@ def _confirm(system: Dimensionless, zeta: float, off: float) -> None:
 def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     """Return dc/dp at the threshold for V, N, m, k and every parameter of the law.
 
-    Raises as `needed_ratio`, and `NotConverged` where the halves do not meet within rounding.
+    Raises as `orbit_damping_ratio`, and `NotConverged` where the halves do not meet within rounding.
     """
     bound = law.bound
-    system = Dimensionless.of(bound, osc)
-    zeta, error = needed_ratio(system)
+    system = NondimensionalOscillator.of(bound, osc)
+    zeta, error = orbit_damping_ratio(system)
     rise, eta, V, push = system.rise, system.eta, osc.V, system.push(1)
     damped, wedge = replace(system, zeta=zeta + error), system.difference._replace(linear=-2.0)
-    highest = damped.slip(0.0, 0.0, until=End.MAXIMUM).w
+    highest = damped.slip(0.0, 0.0, until=SlipEnd.MAXIMUM).w
     near = [i for i, w in enumerate(rise.levels[:-1]) if rise.jumps[i] and abs(w - highest) <= _SAME * w]
-    parted = bool(near) and abs(gap_at(replace(system, zeta=zeta), 1.0, rtol=TIGHT).value) > PARTED
+    parted = bool(near) and abs(velocity_mismatch_at(replace(system, zeta=zeta), 1.0, rtol=TIGHT).value) > PARTED
 
     def derivative(source: Wedge) -> float:
         if parted:
             check_time()
-            top = damped.slip(0.0, 0.0, until=End.MAXIMUM, wedge=(source, 0.0))
+            top = damped.slip(0.0, 0.0, until=SlipEnd.MAXIMUM, wedge=(source, 0.0))
             return top.wedge / (1.0 - top.w) - source.shifts[near[0]]
-        return gap_at(replace(system, zeta=zeta), 1.0, rtol=TIGHT, wedge=source).slope
+        return velocity_mismatch_at(replace(system, zeta=zeta), 1.0, rtol=TIGHT, wedge=source).slope
 
     unit, slope = 2 * osc.impedance, derivative(wedge)
     if not slope < 0.0:  # no number, or 0 where a half creeps to rest
@@ -111,7 +114,9 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     friction = 1 / (V * osc.impedance)  # deta/dN
     excess = push / eta if eta else 0.0
     sources = {
-        "V": Wedge(-push / V, 0.0, -eta / V, _stretched(rise.pieces), [-level / V / V for level in levels]),
+        "V": Wedge(
+            -push / V, 0.0, -eta / V, _changes_with_belt_speed(rise.pieces), [-level / V / V for level in levels]
+        ),
         "N": Wedge(excess * friction, 0.0, -friction, rise.pieces, still),
     }
     if eta < _WEAK and 0.0 < abs(osc.N * derivative(sources["N"])) < ROUNDING:
@@ -130,7 +135,7 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     return by | {"m": by_impedance / osc.m, "k": by_impedance / osc.k}
 
 
-def _stretched(pieces: Pieces) -> list[tuple[float, ...]]:
+def _changes_with_belt_speed(pieces: Pieces) -> list[tuple[float, ...]]:
     """Return the polynomials of w f'(w) - f(w) for those of f: how a rise over V changes with V, times V."""
     rows = []
     for low, origin, scale, *row in pieces:

@@ -23,7 +23,7 @@ from stickslip_sym.criteria import criterion as criteria
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.kernel.data import TIGHT
-from stickslip_sym.motion.orbits.expansion import expand, expansion_changes, of_layer
+from stickslip_sym.motion.orbits.expansion import damping_of_layer, expand, expansion_changes
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.orbits.orbit import orbits
 from stickslip_sym.motion.thresholds.averages import average, average_changes
@@ -58,7 +58,7 @@ class Computed:
 
 
 def _slip_changes(points: OperatingPoints) -> dict[str, FloatArray]:
-    """Differentiate the gap between both halves of the orbit that grazes the belt's speed, point by point."""
+    """Differentiate the mismatch between both halves of the orbit that grazes the belt's speed, point by point."""
     by_row = [grazing_sensitivity(points.law, points.oscillator(row)) for row in range(len(points))]
     names = (*points.columns, *points.law.parameters)
     return {name: np.array([sensitivity[name] for sensitivity in by_row]) for name in names}
@@ -79,7 +79,7 @@ class Reference:
     def at(self, points: OperatingPoints, rows: IntArray) -> Computed:
         """Return those at some rows of all points."""
         if self.computed is None:
-            self.computed, _ = ask(points, None, _REFERENCE)
+            self.computed, _ = evaluate(points, None, _REFERENCE)
         return Computed(self.computed.value[rows], self.computed.relative_error[rows])
 
 
@@ -189,7 +189,7 @@ def good_enough(
     """
     if method is not None:
         method.check(points.law, points.V, points.has_oscillator)
-    computed, names = ask(points, method, rtol, prove=True)
+    computed, names = evaluate(points, method, rtol, prove=True)
     far = np.flatnonzero(~(computed.relative_error <= rtol))
     if not far.size:
         return computed, names, computed.relative_error * points.error_base(computed.value)
@@ -202,7 +202,7 @@ def good_enough(
         more = () if method is not None and method.name == "proof" else (", or ", Argument("method", "proof"))
         raise NotConverged(
             Name("rtol"), f" = {rtol:g} is not reached for {points.label(row)}", *reason,
-            f"{_best(points, computed, row)}; try another ", Name("rtol"), *more,
+            f"{_best_value(points, computed, row)}; try another ", Name("rtol"), *more,
         )  # fmt: skip
     lacking = far[~np.isfinite(computed.value[far])]
     if lacking.size:
@@ -213,7 +213,7 @@ def good_enough(
         )
     if points.has_oscillator:  # else nothing is known of the threshold itself
         some = points.rows(far)
-        reference = ask(some, None, _REFERENCE)[0] if shared is None else shared.at(points, far)
+        reference = evaluate(some, None, _REFERENCE)[0] if shared is None else shared.at(points, far)
         away = np.abs(computed.value[far] - reference.value)
         off = some.relative(away, reference.value) + reference.relative_error
         error, base = computed.relative_error.copy(), points.error_base(computed.value)
@@ -222,7 +222,7 @@ def good_enough(
     return computed, names, np.full(len(points), np.inf)
 
 
-def ask(
+def evaluate(
     points: OperatingPoints, method: Method | None, rtol: float, *, prove: bool = False
 ) -> tuple[Computed, ObjectArray]:
     """Return what a method says, whatever its error, and its name; for None what the cheapest ones say.
@@ -245,10 +245,10 @@ def ask(
         if not rows.size:
             continue
         try:
-            computed, _ = ask(points if rows.size == len(points) else points.rows(rows), chosen, rtol)
+            computed, _ = evaluate(points if rows.size == len(points) else points.rows(rows), chosen, rtol)
         except OutOfTime as stop:
             row = int(rows[0])
-            raise OutOfTime(f"{stop}{_best(points, best, row) if error[row] < 1 else ''}") from None
+            raise OutOfTime(f"{stop}{_best_value(points, best, row) if error[row] < 1 else ''}") from None
         closer = computed.relative_error < error[rows]
         value[rows[closer]], error[rows[closer]] = computed.value[closer], computed.relative_error[closer]
         names[rows[closer]] = chosen.name
@@ -283,7 +283,7 @@ def accuracy(error: float | None, form: str = ".0e") -> str:
     return "unknown" if error is None or not np.isfinite(error) else format(error, form)
 
 
-def _best(points: OperatingPoints, computed: Computed, row: int) -> str:
+def _best_value(points: OperatingPoints, computed: Computed, row: int) -> str:
     """Return the best value of a point, for a message that it is not good enough."""
     value, error = computed.value[row], computed.relative_error[row]
     if not error < 1:
@@ -336,7 +336,7 @@ def _by_expansion(points: OperatingPoints, rtol: float) -> Computed:
         # `tail` is relative to the largest slope; a layer between v = 0 and the first phase would pass unseen.
         resolution = N * (weak.tail * weak.largest + np.abs(weak.harmonic - everything) + unsure)
         scale = N * np.maximum(weak.largest, np.abs(everything))
-        layer = points.impedance * of_layer(points.bound, points.V, strength, weak.phases)
+        layer = points.impedance * damping_of_layer(points.bound, points.V, strength, weak.phases)
         more = (strength * weak.overtones) ** 4 * scale + layer
         error = points.relative(resolution + more + ROUNDING * points.slope_scale, value)
         # The orbit goes beyond 2 V by its overtones, to where the expansion does not look.
@@ -392,7 +392,7 @@ def _by_orbit(points: OperatingPoints, rtol: float) -> Computed:
 
 
 def _orbit_changes(points: OperatingPoints) -> dict[str, FloatArray]:
-    """Differentiate the equations of collocation; the gap of both halves where they do not give the orbit."""
+    """Differentiate the equations of collocation; the mismatch of both halves where they do not give the orbit."""
     law, N = points.law, points.N
     partials = [law.partial(name).bound for name in ("V", *law.parameters)]
     orbit = orbits(points.bound, points.V, points.strength, added=[points.bound, *partials])

@@ -19,7 +19,7 @@ from stickslip_sym.criteria.rule import gauss_average
 from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.orbits.expansion import Expansion, expand
+from stickslip_sym.motion.orbits.expansion import GrazingExpansion, expand
 
 VANISHING = 1e-8
 """Of N <|mu'|>: a threshold below that is nearly 0, and its error relative to that."""
@@ -121,7 +121,7 @@ class OperatingPoints:
         return self.bound.obstacle(2 * float(np.max(self.V, initial=0.0)))
 
     @cached_property
-    def weak(self) -> Expansion:
+    def weak(self) -> GrazingExpansion:
         """The orbits that graze the belt's speed, expanded for weak friction."""
         with np.errstate(all="ignore"):
             return expand(self.bound, self.V)

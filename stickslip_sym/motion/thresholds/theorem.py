@@ -71,10 +71,10 @@ class Theorem(DataResult):
     @property
     def statement(self) -> str:
         """The theorem, in one sentence."""
-        returns = f"at c = {_decimal(self.low)} kg/s"
+        returns = f"at c = {_exact_decimal(self.low)} kg/s"
         if self.undamped is not None:
-            returns = f"for every c from 0 to {_decimal(self.low)} kg/s"
-        misses = f"for no c of {_decimal(self.high)} kg/s or more"
+            returns = f"for every c from 0 to {_exact_decimal(self.low)} kg/s"
+        misses = f"for no c of {_exact_decimal(self.high)} kg/s or more"
         return f"The slip that follows stick returns to the belt's speed {returns}, and {misses}."
 
     @property
@@ -89,7 +89,7 @@ class Theorem(DataResult):
             )
         for c, decided in ((self.low, self.below), (self.high, self.above)):
             end = "returns" if decided.returns else "turns at a slip speed above 0, and does not return"
-            lines.append(f"at c = {_decimal(c)} kg/s the slip {end}, {_work(decided)}")
+            lines.append(f"at c = {_exact_decimal(c)} kg/s the slip {end}, {_work(decided)}")
         lines.append(
             "what returns at one damping returns at every smaller one, since more damping turns the field one way"
         )
@@ -124,7 +124,7 @@ class Theorem(DataResult):
         return f"\\paragraph{{Theorem.}} {theorem}\n\\paragraph{{Proof.}}\n{proof}\n"
 
 
-def _decimal(value: Fraction) -> str:
+def _exact_decimal(value: Fraction) -> str:
     """Return a fraction whose denominator divides a power of ten as a decimal number, exactly."""
     with localcontext(prec=10_000):
         return f"{Decimal(value.numerator) / Decimal(value.denominator):f}"

@@ -41,7 +41,7 @@ def test_the_threshold_put_in_as_damping_is_found_again(seed):
 
 @sweep("above", [0.0, 1e-3], 0)
 def test_two_at_an_extremum_of_strong_friction(above):
-    """Where the gap of both halves is infinite, on either side: above the highest threshold there is none."""
+    """Where the mismatch of both halves is infinite, on either side: above the highest threshold there is none."""
     law, point = ss.laws.lorentzian.typical(), POINT | {"N": 60.0}
     places = np.linspace(0.2, 1.2, 21)
     highest = max(ss.pure_slip_damping(law.bind(v_s=x), **point).value for x in places)

@@ -10,9 +10,9 @@ from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.criteria.rule import gauss_average
-from stickslip_sym.motion.kernel.data import End
+from stickslip_sym.motion.kernel.data import SlipEnd
 from stickslip_sym.motion.orbits.damping import needed_damping
-from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.slip import NondimensionalOscillator
 
 
 def test_every_cycle_of_a_balance_not_monotone():
@@ -69,12 +69,12 @@ GRID = np.linspace(0.005, 0.999, 100)
 
 def growth(law, osc, amplitudes):
     """Return the sign of the growth of a motion in one round, from peaks over V: 0 within rounding."""
-    system = Dimensionless.of(law.bound, osc)
+    system = NondimensionalOscillator.of(law.bound, osc)
     system = replace(system, table=replace(system.table, static=system.table.onset))
     q = np.array([system.turn(w) for w in (1 - amplitudes).tolist()])
-    slips = system.slips(q, 1 - amplitudes, until=End.MINIMUM, rtol=1e-12)
-    out = np.isin(slips.end, (End.RETURN, End.OUTSIDE))
-    off = np.select([slips.end == End.MINIMUM, out], [1 - slips.w, math.inf], 0.0) - amplitudes
+    slips = system.slips(q, 1 - amplitudes, until=SlipEnd.MINIMUM, rtol=1e-12)
+    out = np.isin(slips.end, (SlipEnd.RETURN, SlipEnd.OUTSIDE))
+    off = np.select([slips.end == SlipEnd.MINIMUM, out], [1 - slips.w, math.inf], 0.0) - amplitudes
     return np.sign(off) * (np.abs(off) > 1e-11)
 
 
@@ -179,9 +179,11 @@ def test_cycles_are_fixed_points_of_their_rounds(law):
     """Kinked, jumping, measured and static; rounds beside it part as its exponent says, or merge by sliding."""
     c = float(needed_damping(law, paper_oscillator()).at(0.6)) * paper_oscillator().impedance
     for cycle in ss.limit_cycles(law, paper_oscillator(c)):
-        system = Dimensionless.of(law.bound, paper_oscillator(c))
+        system = NondimensionalOscillator.of(law.bound, paper_oscillator(c))
         A = cycle.amplitude / 0.5
-        slip = system.slip(system.turn(1 - A), 1 - A, until=End.MINIMUM, rtol=1e-12, wedge=(system.difference, -A))
+        slip = system.slip(
+            system.turn(1 - A), 1 - A, until=SlipEnd.MINIMUM, rtol=1e-12, wedge=(system.difference, -A)
+        )
         growth = slip.wedge / (slip.w - 1)
         assert 1 - slip.w == pytest.approx(A, rel=1e-9)
         assert slip.tau / 10 == pytest.approx(cycle.period, rel=1e-9)

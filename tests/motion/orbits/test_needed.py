@@ -11,10 +11,17 @@ from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym.motion.kernel.creeping import creeps, slope_bounds
-from stickslip_sym.motion.kernel.data import TIGHT, End, no_wedge
+from stickslip_sym.motion.kernel.data import TIGHT, SlipEnd, no_wedge
 from stickslip_sym.motion.orbits import needed
-from stickslip_sym.motion.orbits.needed import Outcome, damping_ratios, gap, halves, needed_ratio
-from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.orbits.needed import (
+    HalfOutcome,
+    SearchEnd,
+    damping_ratios,
+    forward_and_backward_orbit,
+    orbit_damping_ratio,
+    velocity_mismatch,
+)
+from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.numerics.known import Unknown
 
 SLOW = ss.FrictionLaw("0.4 + 17*v*exp(-v/0.004) + 3.4*Max(v - 0.05, 0)")
@@ -22,7 +29,7 @@ HEAVY = {"V": 0.035, "N": 48000.0, "m": 25.0, "k": 4300.0}
 
 
 def system_of(law, **changes):
-    return Dimensionless.of(law.bound, paper_oscillator(**changes))
+    return NondimensionalOscillator.of(law.bound, paper_oscillator(**changes))
 
 
 def test_a_half_that_returns_late_returns():
@@ -41,23 +48,23 @@ def test_ratios_agree_within_their_errors(name, eta):
     """Searched for with little accuracy and with more: for weak friction and for strong."""
     law = ss.laws.catalogue[name].typical()
     system = system_of(law)
-    system = Dimensionless(eta, 0.0, system.table, system.V)
-    rough, fine = (needed_ratio(system, rtol=rtol, fast=True) for rtol in (1e-4, 1e-9))
+    system = NondimensionalOscillator(eta, 0.0, system.table, system.V)
+    rough, fine = (orbit_damping_ratio(system, rtol=rtol, fast=True) for rtol in (1e-4, 1e-9))
     assert abs(rough[0] - fine[0]) <= rough[1] + fine[1]
     assert fine[1] <= 2e-9 * abs(fine[0])
 
 
 def test_what_is_not_known_of_a_half_is_not_known_of_the_gap(monkeypatch):
-    """A bound on steps is no sign of a gap; a law that ends is one."""
+    """A bound on steps is no sign of a mismatch; a law that ends is one."""
     system = system_of(ss.laws.exponential.typical())
     arguments = system.rise, system.eta, 0.13, 0.0, 1.0, TIGHT, no_wedge(system.rise)
-    ahead, back = halves(*arguments, 0.0)
-    assert (ahead.outcome, back.outcome) == (Outcome.RETURNS, Outcome.RETURNS)
-    assert math.isfinite(gap(*arguments).value)
+    ahead, back = forward_and_backward_orbit(*arguments, 0.0)
+    assert (ahead.outcome, back.outcome) == (HalfOutcome.RETURNS, HalfOutcome.RETURNS)
+    assert math.isfinite(velocity_mismatch(*arguments).value)
     monkeypatch.setattr(needed, "MOST_STEPS", 3)
-    assert math.isnan(gap(*arguments).value)
-    search = needed.needed(system.rise, system.eta, 0.0, 1.0, 1e-9)
-    assert (search.end, search.low, search.high) == (End.FAILED, -math.inf, math.inf)
+    assert math.isnan(velocity_mismatch(*arguments).value)
+    search = needed.search_damping_ratio(system.rise, system.eta, 0.0, 1.0, 1e-9)
+    assert (search.end, search.low, search.high) == (SearchEnd.FAILED, -math.inf, math.inf)
 
 
 def test_a_mass_that_creeps_to_rest_says_so():
@@ -68,13 +75,13 @@ def test_a_mass_that_creeps_to_rest_says_so():
     system = system_of(ss.laws.exponential.typical())
     for zeta in (2.0, 20.0, 2e4):
         arguments = system.rise, system.eta, zeta, 0.0, 1.0, TIGHT, no_wedge(system.rise)
-        ahead, back = halves(*arguments, 0.0)
-        assert (ahead.outcome, back.outcome) == (Outcome.CREEPS, Outcome.RETURNS)
-        assert gap(*arguments).value == -math.inf
+        ahead, back = forward_and_backward_orbit(*arguments, 0.0)
+        assert (ahead.outcome, back.outcome) == (HalfOutcome.CREEPS, HalfOutcome.RETURNS)
+        assert velocity_mismatch(*arguments).value == -math.inf
 
 
 def test_ends_of_searches_are_translated_at_one_place():
-    ends = [End.CLOSED, End.OUTSIDE, End.NEVER, End.FAILED, End.LATE]
+    ends = [SearchEnd.CLOSED, SearchEnd.OUTSIDE, SearchEnd.NEVER, SearchEnd.FAILED, SearchEnd.LATE]
     rows = np.array([[end, -0.5, 0.1, -0.6, -0.3] for end in ends], dtype=float)
     column = damping_ratios(rows)
     assert [column.at(i) for i in range(3)] == [-0.5, -0.5, -math.inf]
@@ -99,5 +106,5 @@ def test_bounds_of_slopes_hold_all_slopes(seed):
     assert most - least <= np.ptp(slopes) + 0.5 * np.abs(slopes).max()
     w0, q0 = float(rng.uniform(0.3, 1.8)), system.turn(1.0) + float(rng.normal(0.0, 2.0))
     if creeps(system.rise, system.field(1.0), q0, w0):
-        run = system.slip(q0, w0, until=End.LEVEL, level=1.0, rtol=1e-8)
-        assert run.end is End.REST
+        run = system.slip(q0, w0, until=SlipEnd.LEVEL, level=1.0, rtol=1e-8)
+        assert run.end is SlipEnd.REST

@@ -9,7 +9,7 @@ from sweeps import sweep
 import stickslip_sym as ss
 from stickslip_sym import Motion, Phase
 from stickslip_sym.motion.regimes import overtaking
-from stickslip_sym.motion.slip import Dimensionless
+from stickslip_sym.motion.slip import NondimensionalOscillator
 
 RISING = ["popp_stelter", "cubic", "polynomial", "exponential_viscous"]
 OUTSIDE = ss.laws.popp_stelter.typical(), ss.Oscillator(m=1, k=100, c=-1, V=0.1, N=2)
@@ -44,7 +44,7 @@ def test_rounds_go_where_regimes_say(seed):
         osc = ss.Oscillator(m=1, k=k, c=rng.choice([-1, -0.3, 0.3]) * damping * np.sqrt(k), V=V, N=N)
         found = ss.regime(law, osc).outside
         assert "open" not in [mark.kind for mark in found.marks]
-        farthest = 30 * min(overtaking.reach(Dimensionless.of(law.bound, osc)), 1e4)
+        farthest = 30 * min(overtaking.reach(NondimensionalOscillator.of(law.bound, osc)), 1e4)
         assert disagreements(law, osc, found, farthest * 10 ** rng.uniform(-6, 0, 10)) == 0
 
 
@@ -93,7 +93,7 @@ def test_no_orbit_is_closed_beyond_the_reach(seed):
         a, b, w, h, p, d = rng.uniform([0.1, 0.05, 0.03, -0.2, 0.3, 0], [0.5, 0.5, 0.5, 0.5, 4, 0.05])
         law = ss.FrictionLaw(f"{a} + {b}*exp(-v/{w}) + {d}*v^2 + {h}*v/(1 + (v/{p})^4)")
         V, eta, zeta = 10 ** rng.uniform([-1.5, -2, -3], [0.5, 1, 0])
-        system = replace(Dimensionless.of(law.bound, ss.Oscillator(m=1, k=1, c=0, V=V, N=1)), eta=eta)
+        system = replace(NondimensionalOscillator.of(law.bound, ss.Oscillator(m=1, k=1, c=0, V=V, N=1)), eta=eta)
         way = rng.choice([-1, -1, 1])
         system = replace(system, zeta=way * zeta)
         by_losses, weak = overtaking.reaches(system, np.array([eta, eta / 10]), np.array([way * zeta, eta / 1e4]))

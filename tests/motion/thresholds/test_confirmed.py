@@ -15,8 +15,8 @@ POINT = {"m": 1.0, "k": 100.0, "V": 0.5, "N": 9.81}
 def test_a_threshold_that_the_slip_refutes_is_not_stated(monkeypatch, off):
     """As a search would give one that takes a limit on time for an answer."""
     law, osc = ss.laws.exponential.typical().bound, ss.Oscillator(c=0.0, **POINT)
-    zeta, error = grazing.needed_ratio(grazing.Dimensionless.of(law, osc))
-    monkeypatch.setattr(grazing, "needed_ratio", lambda *_, **__: (zeta + off, error))
+    zeta, error = grazing.orbit_damping_ratio(grazing.NondimensionalOscillator.of(law, osc))
+    monkeypatch.setattr(grazing, "orbit_damping_ratio", lambda *_, **__: (zeta + off, error))
     with pytest.raises(ss.NotConverged, match="does not return" if off > 0 else "returns to the belt"):
         grazing_damping(law, osc, rtol=1e-9)
 
