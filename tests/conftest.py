@@ -123,8 +123,8 @@ def of_each_kind():
 @pytest.fixture
 def fresh_averages():
     """Forget all averages of profiles before a test that tampers with how they are found, and after it."""
-    from stickslip_sym.formula.average import average_of
+    from stickslip_sym.formula.average import average_of_profile
 
-    average_of.cache_clear()
+    average_of_profile.cache_clear()
     yield
-    average_of.cache_clear()
+    average_of_profile.cache_clear()

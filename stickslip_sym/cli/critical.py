@@ -33,7 +33,7 @@ def run(given: Given) -> None:
     if "c" not in at.texts and of != "c":
         raise InputError("critical values are computed at a given damping: add -c VALUE")
     if of == "all":
-        given.all_used()
+        given.reject_unused()
         with under_way("margins of all quantities"):
             margins = ss.margins(at.law, ss.Oscillator(**at.numbers), errors=at.texts, **how)
         echo_found(given, at, margins, of="all", margins=margins)
@@ -41,7 +41,7 @@ def run(given: Given) -> None:
     at.exact("critical --of " + of)
     text, unit = given["within"], options.unit_of(at.law, of)
     within = None if text is None else options.read_range(text, "--within", of=of, unit=unit)
-    given.all_used()
+    given.reject_unused()
     with under_way(f"critical values of {of}"):
         values = ss.critical(at.law, of, **how | at.numbers, within=within)
     echo_found(given, at, values, of=of, values=values, looked=values.looked, unresolved=values.unresolved)

@@ -45,7 +45,7 @@ def run(given: Given) -> None:
     contents, texts, certificates, at_all = list[Json](), [], [], points(given, without=_left_out(given, method))
     plot = given["plot"] if len(at_all) == 1 else None
     for at in at_all:
-        given.all_used()
+        given.reject_unused()
         if method is None:
             with under_way("thresholds by every method"):
                 compared = ss.compare(at.law, None, rtol=min(rtol, _RTOL), time_limit=limit, **at.texts)

@@ -42,7 +42,7 @@ def run(given: Given) -> None:
     latex, steps, verify = given["latex"], given["steps"], given["verify"]
     at = point(given, without=("c",)).exact("derive")
     law, limit = at.law, given["time_limit"]
-    given.all_used()
+    given.reject_unused()
     # What the table cannot be computed for is refused before anything is derived or written.
     ss.Oscillator(**at.numbers)
     for criterion in chosen:

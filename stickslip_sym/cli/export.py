@@ -57,7 +57,7 @@ def run(given: Given) -> None:
     if "latex" in targets:
         style = {"fragment": given["fragment"], "steps": given["steps"], "symbols": given["symbol"]}
     verify, in_coq = given["verify"], "certificate" in targets and targets["certificate"].suffix == ".v"
-    given.all_used()
+    given.reject_unused()
     unbound = _unbound(laws, every) if code else []
     wanted = [(law, criterion) for law in laws for criterion in chosen]
     forms_of = [(*pair, form) for pair, form in zip(wanted, derived(wanted, limit), strict=True)]

@@ -50,7 +50,7 @@ def run(given: Given) -> None:
 def fitted(file: Path, laws: Sequence[ss.FrictionLaw], given: Given) -> Fits:
     """Return the fits of laws to a file of measurements; all other options were read before."""
     reading = reading_of(given)
-    given.all_used()
+    given.reject_unused()
     with under_way(f"reading {file.name}"):
         measured = ss.read_measurements(file, **reading)
     if given.command != "fit":  # whose answer begins with it

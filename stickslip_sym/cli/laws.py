@@ -26,7 +26,7 @@ def run(given: Given) -> None:
     from stickslip_sym.output.abbreviation import formula
 
     name, plot = given["law"], None if given["law"] is None else given["plot"]
-    given.all_used()
+    given.reject_unused()
     laws = list(ss.laws.values()) if name is None else [ss.laws.find(name)]
     wanted = [] if name is None else [(laws[0], criterion) for criterion in criteria_of("all")]
     forms = {criterion.name: form for (_, criterion), form in zip(wanted, derived(wanted), strict=True)}

@@ -79,7 +79,7 @@ def run(given: Given) -> None:
     x, y = (read_axis_option(given[side], f"--{side}", at.law) for side in "xy")
     how: dict[str, Any] = {name: given[name] for name in ("time_limit", "workers")} | at.numbers
     csv, npz, plot = given["csv"], given["npz"], given["plot"]
-    given.all_used()
+    given.reject_unused()
     _warn_at_corners(at.law, (x, y), at.numbers)
     with under_way("map"):
         motions = ss.motion_map(at.law, x=x, y=y, **how)

@@ -35,7 +35,7 @@ class Given:
         self._read.add(name)
         return self._context.params.get(name)
 
-    def all_used(self) -> None:
+    def reject_unused(self) -> None:
         """Refuse options that were given and have not been read; commands ask before they begin to compute."""
         for parameter in self._context.command.params:
             name = str(parameter.name)

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip_sym.core.progress import Step, listened_by
+from stickslip_sym.core.progress import Step, report_every_step_to
 from stickslip_sym.core.version import __version__
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def under_way(what: str) -> Iterator[None]:
             description = ": ".join([what, *map(_in_words, path)])
             shown.update(task, description=description, completed=outermost.done, total=outermost.total or None)
 
-        with listened_by(show):
+        with report_every_step_to(show):
             yield
 
 

@@ -41,7 +41,7 @@ def run(given: Given) -> None:
     initial = {name: given[name] for name in ("x0", "v0")}
     how = {name: given[name] for name in ("rtol", "method", "time_limit")}
     t_end, csv, plot = given["t_end"], given["csv"], given["plot"]
-    given.all_used()
+    given.reject_unused()
     osc = ss.Oscillator(**at.numbers)
     warn_where_negative(at.law.kinetic, osc.V)
     with under_way("motion" if t_end is None else f"motion up to {t_end:.4g} s"):

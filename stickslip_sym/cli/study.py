@@ -56,7 +56,7 @@ def run(given: Given) -> None:
     fits, measured = None, None
     if file is None:
         at = points(given, c="0")
-        given.all_used()
+        given.reject_unused()
         if measured_file is not None:
             measured = ss.read_measurements(measured_file, **reading_of(given)).averaged()
     elif measured_file is not None:

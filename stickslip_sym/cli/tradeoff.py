@@ -37,7 +37,7 @@ def run(given: Given) -> None:
         warn_where_negative(at.law.kinetic, at.numbers["V"])
     more = {"criterion": given["criterion"]} if "criterion" in kinds else {}
     limit, plot = given["time_limit"], given["plot"]
-    given.all_used()
+    given.reject_unused()
     quantities: dict[str, Any] = dict(at.texts)
     with under_way("methods, each several times"):
         tradeoff = ss.tradeoff(at.law, of=kinds, time_limit=limit, **more, **quantities)

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 import click
 
-from stickslip_sym.core.remedies import AnySign, Argument, Call, Name, Reading, Remedy, Values
+from stickslip_sym.core.remedies import AnySign, Argument, Call, Name, ParameterValues, Reading, Remedy
 
 
 def in_options(remedy: Remedy, context: click.Context) -> str:
@@ -20,7 +20,7 @@ def in_options(remedy: Remedy, context: click.Context) -> str:
             return _given(context, name, ":".join(map(str.upper, ends)))
         case Argument(name, value):
             return _given(context, name, "" if value is True else _text(value))
-        case Values(values):
+        case ParameterValues(values):
             return " ".join(f"-p {_pair(*entry)}" for entry in values.items())
         case AnySign(parameter):
             return f"write the formula with -{parameter}, and give a positive value"

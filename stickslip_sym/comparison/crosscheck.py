@@ -16,7 +16,7 @@ from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.core.precision import mp
 from stickslip_sym.criteria import quadrature
 from stickslip_sym.criteria.criterion import Criterion, harmonic
-from stickslip_sym.criteria.rule import average_of_slope
+from stickslip_sym.criteria.rule import gauss_average_of_slope
 from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.formula.slope_average import slope_average
 from stickslip_sym.model.law import FrictionLaw
@@ -139,6 +139,6 @@ def scatter(law: FrictionLaw, criterion: Criterion, V: float, N: float) -> float
     for i in range(1, len(points) - 1):
         v, mu = zip(*points[:i], *points[i + 1 :], strict=True)
         slope = SampledCurve.through(v, mu, extrapolate=end is None).function("numpy", derivative=True)
-        average, _, _ = average_of_slope(slope, whole, [V], criterion=criterion)
+        average, _, _ = gauss_average_of_slope(slope, whole, [V], criterion=criterion)
         values.append(N * float(average[0]))
     return math.sqrt((len(values) - 1) * float(np.var(values)))

@@ -31,7 +31,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.model.negative import warn_where_negative
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.thresholds.averages import slope_mean
+from stickslip_sym.motion.thresholds.averages import resolved_gauss_average
 from stickslip_sym.output.markup import Markup
 from stickslip_sym.output.page.render import now, render
 
@@ -177,7 +177,7 @@ def _slider_of_parameter(parameter: Parameter, value: float) -> dict[str, Any]:
 def _table(law: FrictionLaw, criterion: Criterion, slider: Mapping[str, Any]) -> list[float]:
     """Return c/N at even steps of log V, of a law that has no parameters."""
     V = np.geomspace(slider["low"], slider["high"] * (1 - SAME), _ROWS)
-    return [float(mean) for mean in slope_mean(law.kinetic, criterion, V)]
+    return [float(mean) for mean in resolved_gauss_average(law.kinetic, criterion, V)]
 
 
 def _points(measured: Measurements | None) -> list[list[float]]:

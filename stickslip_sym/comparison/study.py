@@ -23,7 +23,7 @@ from stickslip_sym.core.deadline import require_seconds
 from stickslip_sym.core.deadline import time_limit as limited
 from stickslip_sym.core.errors import InputWarning, StickSlipError
 from stickslip_sym.core.numbers import require_type
-from stickslip_sym.core.progress import Step, heard_by, steps
+from stickslip_sym.core.progress import Step, report_steps_to, steps
 from stickslip_sym.core.symbols import QUANTITIES
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.criteria.criterion import catalogue
@@ -462,7 +462,7 @@ def study(
     fits = Fits([law], law.measured, {}) if isinstance(law, Fit) else law if isinstance(law, Fits) else None
     subject = _Subject(friction, osc, carried, fits, seconds)
     own = [] if fit is None else [text for text in (fit.extrapolation(osc.V), *fit.warnings) if text]
-    with warnings.catch_warnings(record=True) as caught, heard_by(progress and _named_to(progress)):
+    with warnings.catch_warnings(record=True) as caught, report_steps_to(progress and _named_to(progress)):
         warnings.simplefilter("always")
         parts, refused = _computed(subject)
     said: dict[str, type[Warning]] = dict.fromkeys(own, InputWarning)

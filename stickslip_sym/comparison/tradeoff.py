@@ -27,7 +27,7 @@ from stickslip_sym.core.names import lookup
 from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.core.precision import mp
 from stickslip_sym.core.progress import steps
-from stickslip_sym.core.remedies import Call, Values
+from stickslip_sym.core.remedies import Call, ParameterValues
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion, CriterionName, find
 from stickslip_sym.formula.closed_form import ClosedForm, derive
@@ -247,7 +247,7 @@ def tradeoff(
         raise InputError("c belongs to the basins of attraction: ", Call('of="basin"', "tradeoff LAW --basins"))
     if law.missing:
         raise InputError(
-            f"the law has no value for {', '.join(law.missing)}; give it first: ", Values.of(*law.missing)
+            f"the law has no value for {', '.join(law.missing)}; give it first: ", ParameterValues.of(*law.missing)
         )
     chosen = find(criterion)
     given = {name: value for name, value in {"V": V, "N": N, "m": m, "k": k}.items() if value is not None}

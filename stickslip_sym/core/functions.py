@@ -34,7 +34,7 @@ class Function:
     series: Callable[..., arb_series] | None = None
     """From the power series of the argument to that of the function; None where the integral of its derivative
     has to do."""
-    gain: Callable[[Expr, Expr, Expr], Expr] | None = None
+    stable_difference: Callable[[Expr, Expr, Expr], Expr] | None = None
     """From the argument x, its value a at another point, and x - a: f(x) - f(a), without cancellation where the
     two are close; None where the difference is taken as it stands."""
     inverse: type[Expr] | None = None
@@ -45,12 +45,12 @@ class Function:
     """From the arguments of any other: what must be positive for it to be analytic; None where it is not known."""
     hypergeometric: Callable[..., Expr] | None = None
     """From the arguments: the same by hypergeometric series around 0."""
-    ladder: Callable[[Expr, int, int], Expr] | None = None
+    iterated_integral: Callable[[Expr, int, int], Expr] | None = None
     """From x, n and j: the j-th integral of the n-th power, or of the n-th derivative where it has an order; None
     where it has none."""
     bounded: bool = False
     """Whether its size has a bound over all real arguments."""
-    dies: Callable[..., bool] = lambda *z: False
+    decays_superpolynomially: Callable[..., bool] = lambda *z: False
     """From an argument whose size grows without bound: whether it falls to 0 faster than any power of that."""
     in_laws: bool = False
     """Whether the formula of a friction law may have it."""
@@ -130,12 +130,12 @@ def _anywhere(*z: acb) -> bool:
     return True
 
 
-def _gain_of_asinh(x: Expr, a: Expr, gain: Expr) -> Expr:
-    return sp.asinh(gain * (x + a) / (x * sp.sqrt(1 + a**2) + a * sp.sqrt(1 + x**2)))
+def _difference_of_asinh(x: Expr, a: Expr, step: Expr) -> Expr:
+    return sp.asinh(step * (x + a) / (x * sp.sqrt(1 + a**2) + a * sp.sqrt(1 + x**2)))
 
 
-def _gain_of_cosh(x: Expr, a: Expr, gain: Expr) -> Expr:
-    return 2 * sp.sinh((x + a) / 2) * sp.sinh(gain / 2)
+def _difference_of_cosh(x: Expr, a: Expr, step: Expr) -> Expr:
+    return 2 * sp.sinh((x + a) / 2) * sp.sinh(step / 2)
 
 
 def _where_it_converges(upper: Expr, lower: Expr, z: Expr) -> Sequence[Expr] | None:
@@ -155,22 +155,22 @@ def _of_whole_order(order: Expr, z: Expr) -> Sequence[Expr] | None:
 # -- repeated integrals ----------------------------------------------------------------------------
 
 
-def _trigonometric_ladder(function: type[Expr]) -> Callable[[Expr, int, int], Expr]:
+def _trigonometric_integrals(function: type[Expr]) -> Callable[[Expr, int, int], Expr]:
     return lambda x, n, j: function(x - j * sp.pi / 2) if n == 1 else None
 
 
-def _tanh_ladder(x: Expr, n: int, j: int) -> Expr:
+def _iterated_integral_of_tanh(x: Expr, n: int, j: int) -> Expr:
     """Tanh = 1 + 2 Li_0(-exp(-2 x)), Li_s integrates to Li_(s+1); tanh^n = tanh^(n-2) - (tanh^(n-1))'/(n - 1)."""
     if j == 0 or n == 0:
         return sp.tanh(x) ** n * x**j / sp.factorial(j)
     if n > 1:
-        return _tanh_ladder(x, n - 2, j) - _tanh_ladder(x, n - 1, j - 1) / (n - 1)
+        return _iterated_integral_of_tanh(x, n - 2, j) - _iterated_integral_of_tanh(x, n - 1, j - 1) / (n - 1)
     z = -sp.exp(-2 * x)
     last = -sp.log(1 - z) if j == 1 else polylog(j, z)
     return x**j / sp.factorial(j) + 2 * sp.Rational(-1, 2) ** j * last
 
 
-def _sech_ladder(x: Expr, n: int, j: int) -> Expr:
+def _iterated_integral_of_sech(x: Expr, n: int, j: int) -> Expr:
     """Note that sech = 2 Ti_0(exp(-x)), Ti_j(y) = Im Li_j(i y).
 
     (n - 1) sech^n = (n - 2) sech^(n-2) - (sech^(n-2))''/(n - 2), sech^2 = tanh'.
@@ -181,11 +181,13 @@ def _sech_ladder(x: Expr, n: int, j: int) -> Expr:
         y = sp.exp(-x)
         return 2 * (-1) ** j * (sp.atan(y) if j == 1 else sp.im(polylog(j, sp.I * y)))
     if n == 2:
-        return _tanh_ladder(x, 1, j - 1)
-    return ((n - 2) * _sech_ladder(x, n - 2, j) - _sech_ladder(x, n - 2, j - 2) / (n - 2)) / (n - 1)
+        return _iterated_integral_of_tanh(x, 1, j - 1)
+    return (
+        (n - 2) * _iterated_integral_of_sech(x, n - 2, j) - _iterated_integral_of_sech(x, n - 2, j - 2) / (n - 2)
+    ) / (n - 1)
 
 
-def _langevin_ladder(x: Expr, order: int, j: int) -> Expr:
+def _iterated_integral_of_langevin(x: Expr, order: int, j: int) -> Expr:
     """Note that coth = 1 + 2 Li_0(exp(-2 x)), and that 1/x has the integrals x^(j-1)/(j-1)! (log x - H_(j-1))."""
     if j <= order:
         return sp.diff(sp.coth(x) - 1 / x, x, order - j)
@@ -199,102 +201,314 @@ def _langevin_ladder(x: Expr, order: int, j: int) -> Expr:
 
 _HALF = sp.Rational(1, 2)
 _ROWS = (
-    Function(sp.exp, acb.exp, series=arb_series.exp, gain=lambda x, a, gain: sp.exp(a) * expm1(gain),
-             inverse=sp.log, analytic=True, hypergeometric=lambda z: sp.hyper((), (), z),
-             ladder=lambda x, n, j: sp.exp(x), dies=lambda z: bool(z.is_negative), in_laws=True, latex=None,
-             dlmf="4.7, 4.2"),
-    Function(sp.log, acb.log, _below_zero, arb_series.log, gain=lambda x, a, gain: log1p(gain / a), inverse=sp.exp,
-             domain=lambda z: (z,), in_laws=True, aliases=("ln",), latex=r"\ln"),
-    Function(sp.sin, acb.sin, series=arb_series.sin,
-             gain=lambda x, a, gain: 2 * sp.cos((x + a) / 2) * sp.sin(gain / 2), analytic=True, bounded=True,
-             hypergeometric=lambda z: z * sp.hyper((), (3 * _HALF,), -(z**2) / 4),
-             ladder=_trigonometric_ladder(sp.sin), in_laws=True, latex=r"\sin", squared=True),
-    Function(sp.cos, acb.cos, series=arb_series.cos,
-             gain=lambda x, a, gain: -2 * sp.sin((x + a) / 2) * sp.sin(gain / 2), analytic=True, bounded=True,
-             hypergeometric=lambda z: sp.hyper((), (_HALF,), -(z**2) / 4),
-             ladder=_trigonometric_ladder(sp.cos), in_laws=True, latex=r"\cos", squared=True),
+    Function(
+        sp.exp,
+        acb.exp,
+        series=arb_series.exp,
+        stable_difference=lambda x, a, step: sp.exp(a) * expm1(step),
+        inverse=sp.log,
+        analytic=True,
+        hypergeometric=lambda z: sp.hyper((), (), z),
+        iterated_integral=lambda x, n, j: sp.exp(x),
+        decays_superpolynomially=lambda z: bool(z.is_negative),
+        in_laws=True,
+        latex=None,
+        dlmf="4.7, 4.2",
+    ),
+    Function(
+        sp.log,
+        acb.log,
+        _below_zero,
+        arb_series.log,
+        stable_difference=lambda x, a, step: log1p(step / a),
+        inverse=sp.exp,
+        domain=lambda z: (z,),
+        in_laws=True,
+        aliases=("ln",),
+        latex=r"\ln",
+    ),
+    Function(
+        sp.sin,
+        acb.sin,
+        series=arb_series.sin,
+        stable_difference=lambda x, a, step: 2 * sp.cos((x + a) / 2) * sp.sin(step / 2),
+        analytic=True,
+        bounded=True,
+        hypergeometric=lambda z: z * sp.hyper((), (3 * _HALF,), -(z**2) / 4),
+        iterated_integral=_trigonometric_integrals(sp.sin),
+        in_laws=True,
+        latex=r"\sin",
+        squared=True,
+    ),
+    Function(
+        sp.cos,
+        acb.cos,
+        series=arb_series.cos,
+        stable_difference=lambda x, a, step: -2 * sp.sin((x + a) / 2) * sp.sin(step / 2),
+        analytic=True,
+        bounded=True,
+        hypergeometric=lambda z: sp.hyper((), (_HALF,), -(z**2) / 4),
+        iterated_integral=_trigonometric_integrals(sp.cos),
+        in_laws=True,
+        latex=r"\cos",
+        squared=True,
+    ),
     Function(sp.tan, acb.tan, series=arb_series.tan, in_laws=True, latex=r"\tan", squared=True),
-    Function(sp.sinh, acb.sinh, series=lambda z: (z.exp() - (-z).exp()) / 2,
-             gain=lambda x, a, gain: 2 * sp.cosh((x + a) / 2) * sp.sinh(gain / 2), inverse=sp.asinh, analytic=True,
-             in_laws=True, latex=r"\sinh", squared=True),
-    Function(sp.cosh, acb.cosh, series=lambda z: (z.exp() + (-z).exp()) / 2, gain=_gain_of_cosh, analytic=True,
-             in_laws=True, latex=r"\cosh", squared=True),
-    Function(sp.tanh, acb.tanh, series=lambda z: 1 - 2 / ((2 * z).exp() + 1),
-             gain=lambda x, a, gain: sp.tanh(gain) * (1 - sp.tanh(x) * sp.tanh(a)), analytic=True, bounded=True,
-             ladder=_tanh_ladder,
-             in_laws=True, latex=r"\tanh", squared=True),
-    Function(sp.sech, _sech, series=lambda z: 2 / (z.exp() + (-z).exp()),
-             gain=lambda x, a, gain: -_gain_of_cosh(x, a, gain) * sp.sech(x) * sp.sech(a), analytic=True,
-             bounded=True, dies=lambda z: True, ladder=_sech_ladder, in_laws=True, squared=True,
-             floats=lambda x: 1 / np.cosh(x)),
-    Function(sp.coth, acb.coth, series=lambda z: 1 + 2 / ((2 * z).exp() - 1),
-             gain=lambda x, a, gain: -sp.sinh(gain) / (sp.sinh(x) * sp.sinh(a)), in_laws=True, latex=r"\coth",
-             squared=True, floats=lambda x: 1 / np.tanh(x)),
-    Function(Langevin, Langevin.ball, series=Langevin.series, analytic=True, bounded=True, floats=Langevin.floats,
-             ladder=_langevin_ladder, latex=None),
+    Function(
+        sp.sinh,
+        acb.sinh,
+        series=lambda z: (z.exp() - (-z).exp()) / 2,
+        stable_difference=lambda x, a, step: 2 * sp.cosh((x + a) / 2) * sp.sinh(step / 2),
+        inverse=sp.asinh,
+        analytic=True,
+        in_laws=True,
+        latex=r"\sinh",
+        squared=True,
+    ),
+    Function(
+        sp.cosh,
+        acb.cosh,
+        series=lambda z: (z.exp() + (-z).exp()) / 2,
+        stable_difference=_difference_of_cosh,
+        analytic=True,
+        in_laws=True,
+        latex=r"\cosh",
+        squared=True,
+    ),
+    Function(
+        sp.tanh,
+        acb.tanh,
+        series=lambda z: 1 - 2 / ((2 * z).exp() + 1),
+        stable_difference=lambda x, a, step: sp.tanh(step) * (1 - sp.tanh(x) * sp.tanh(a)),
+        analytic=True,
+        bounded=True,
+        iterated_integral=_iterated_integral_of_tanh,
+        in_laws=True,
+        latex=r"\tanh",
+        squared=True,
+    ),
+    Function(
+        sp.sech,
+        _sech,
+        series=lambda z: 2 / (z.exp() + (-z).exp()),
+        stable_difference=lambda x, a, step: -_difference_of_cosh(x, a, step) * sp.sech(x) * sp.sech(a),
+        analytic=True,
+        bounded=True,
+        decays_superpolynomially=lambda z: True,
+        iterated_integral=_iterated_integral_of_sech,
+        in_laws=True,
+        squared=True,
+        floats=lambda x: 1 / np.cosh(x),
+    ),
+    Function(
+        sp.coth,
+        acb.coth,
+        series=lambda z: 1 + 2 / ((2 * z).exp() - 1),
+        stable_difference=lambda x, a, step: -sp.sinh(step) / (sp.sinh(x) * sp.sinh(a)),
+        in_laws=True,
+        latex=r"\coth",
+        squared=True,
+        floats=lambda x: 1 / np.tanh(x),
+    ),
+    Function(
+        Langevin,
+        Langevin.ball,
+        series=Langevin.series,
+        analytic=True,
+        bounded=True,
+        floats=Langevin.floats,
+        iterated_integral=_iterated_integral_of_langevin,
+        latex=None,
+    ),
     Function(sp.csch, acb.csch),
     # Arb's own asinh is not finite on wide balls.
-    Function(sp.asinh, lambda z: (z + (z * z + 1).sqrt()).log(), _outside_imaginary_unit,
-             series=lambda z: (z + (z * z + 1).sqrt()).log(), gain=_gain_of_asinh, inverse=sp.sinh, analytic=True,
-             in_laws=True, aliases=("arcsinh", "arsinh"), latex=r"\operatorname{arsinh}",
-             meaning=r"$\operatorname{arsinh}$ is the inverse hyperbolic sine"),
+    Function(
+        sp.asinh,
+        lambda z: (z + (z * z + 1).sqrt()).log(),
+        _outside_imaginary_unit,
+        series=lambda z: (z + (z * z + 1).sqrt()).log(),
+        stable_difference=_difference_of_asinh,
+        inverse=sp.sinh,
+        analytic=True,
+        in_laws=True,
+        aliases=("arcsinh", "arsinh"),
+        latex=r"\operatorname{arsinh}",
+        meaning=r"$\operatorname{arsinh}$ is the inverse hyperbolic sine",
+    ),
     Function(sp.acosh, acb.acosh, _below_one, latex=r"\operatorname{arcosh}"),
     Function(sp.atanh, acb.atanh, _outside_real_unit, latex=r"\operatorname{artanh}"),
-    Function(sp.atan, acb.atan, _outside_imaginary_unit, arb_series.atan,
-             gain=lambda x, a, gain: sp.atan2(gain, 1 + x * a), analytic=True, bounded=True, in_laws=True,
-             aliases=("arctan",), latex=r"\arctan"),
-    Function(sp.asin, acb.asin, _outside_real_unit, domain=lambda z: (1 - z**2,), in_laws=True,
-             aliases=("arcsin",), latex=r"\arcsin"),
-    Function(sp.acos, acb.acos, _outside_real_unit, domain=lambda z: (1 - z**2,), in_laws=True,
-             aliases=("arccos",), latex=r"\arccos"),
-    Function(sp.erf, acb.erf, series=arb_series.erf, analytic=True, bounded=True, in_laws=True,
-             meaning=r"$\operatorname{erf}$ is the error function"),
+    Function(
+        sp.atan,
+        acb.atan,
+        _outside_imaginary_unit,
+        arb_series.atan,
+        stable_difference=lambda x, a, step: sp.atan2(step, 1 + x * a),
+        analytic=True,
+        bounded=True,
+        in_laws=True,
+        aliases=("arctan",),
+        latex=r"\arctan",
+    ),
+    Function(
+        sp.asin,
+        acb.asin,
+        _outside_real_unit,
+        domain=lambda z: (1 - z**2,),
+        in_laws=True,
+        aliases=("arcsin",),
+        latex=r"\arcsin",
+    ),
+    Function(
+        sp.acos,
+        acb.acos,
+        _outside_real_unit,
+        domain=lambda z: (1 - z**2,),
+        in_laws=True,
+        aliases=("arccos",),
+        latex=r"\arccos",
+    ),
+    Function(
+        sp.erf,
+        acb.erf,
+        series=arb_series.erf,
+        analytic=True,
+        bounded=True,
+        in_laws=True,
+        meaning=r"$\operatorname{erf}$ is the error function",
+    ),
     Function(sp.erfc, acb.erfc, series=arb_series.erfc, analytic=True, bounded=True),
-    Function(Erfcx, Erfcx.ball, series=lambda z: (z * z).exp() * z.erfc(), analytic=True, floats=Erfcx.floats,
-             latex=r"\operatorname{erfcx}"),
+    Function(
+        Erfcx,
+        Erfcx.ball,
+        series=lambda z: (z * z).exp() * z.erfc(),
+        analytic=True,
+        floats=Erfcx.floats,
+        latex=r"\operatorname{erfcx}",
+    ),
     Function(sp.erfi, acb.erfi, series=arb_series.erfi, analytic=True),
     Function(expm1, acb.expm1, floats=np.expm1),
     Function(log1p, acb.log1p, lambda z: _below_zero(1 + z)),
-    Function(sp.besseli, lambda order, z: z.bessel_i(order), _anywhere, domain=_of_whole_order,
-             hypergeometric=_bessel(1), latex="I", indexed=True, dlmf="10.29, 10.25",
-             meaning="$I_n$ is the modified Bessel function of the first kind"),
-    Function(sp.besselj, lambda order, z: z.bessel_j(order), _anywhere, domain=_of_whole_order,
-             hypergeometric=_bessel(-1), latex="J", indexed=True, dlmf="10.6, 10.2"),
+    Function(
+        sp.besseli,
+        lambda order, z: z.bessel_i(order),
+        _anywhere,
+        domain=_of_whole_order,
+        hypergeometric=_bessel(1),
+        latex="I",
+        indexed=True,
+        dlmf="10.29, 10.25",
+        meaning="$I_n$ is the modified Bessel function of the first kind",
+    ),
+    Function(
+        sp.besselj,
+        lambda order, z: z.bessel_j(order),
+        _anywhere,
+        domain=_of_whole_order,
+        hypergeometric=_bessel(-1),
+        latex="J",
+        indexed=True,
+        dlmf="10.6, 10.2",
+    ),
     Function(sp.besselk, lambda order, z: z.bessel_k(order), _anywhere, latex="K", indexed=True),
     Function(sp.bessely, lambda order, z: z.bessel_y(order), _anywhere, latex="Y", indexed=True),
     Function(sp.gamma, acb.gamma, latex=r"\Gamma"),
-    Function(sp.lowergamma, lambda s, z: z.gamma_lower(s), _anywhere,
-             domain=lambda s, z: (s,) if z.is_nonnegative else None, latex=r"\gamma",
-             meaning=r"$\gamma(s, x)$ is the lower incomplete gamma function"),
-    Function(sp.uppergamma, lambda s, z: z.gamma_upper(s), _anywhere, domain=lambda s, z: (z,), latex=r"\Gamma",
-             meaning=r"$\Gamma(s, x)$ is the upper incomplete gamma function"),
+    Function(
+        sp.lowergamma,
+        lambda s, z: z.gamma_lower(s),
+        _anywhere,
+        domain=lambda s, z: (s,) if z.is_nonnegative else None,
+        latex=r"\gamma",
+        meaning=r"$\gamma(s, x)$ is the lower incomplete gamma function",
+    ),
+    Function(
+        sp.uppergamma,
+        lambda s, z: z.gamma_upper(s),
+        _anywhere,
+        domain=lambda s, z: (z,),
+        latex=r"\Gamma",
+        meaning=r"$\Gamma(s, x)$ is the upper incomplete gamma function",
+    ),
     Function(sp.beta, None, _anywhere, latex=r"\mathrm{B}"),
-    Function(sp.expint, lambda s, z: z.expint(s), _anywhere, domain=lambda s, z: (z,), latex="E",
-             indexed=True),
-    Function(sp.polylog, lambda s, z: z.polylog(s), _anywhere,
-             domain=lambda s, z: () if z.is_imaginary else (1 - z,), latex=r"\operatorname{Li}", indexed=True,
-             meaning=r"$\operatorname{Li}_n$ is the polylogarithm"),
-    Function(Ein, Ein.ball, analytic=True, floats=Ein.floats, latex=r"\operatorname{Ein}", dlmf="6.2",
-             meaning=r"$\operatorname{Ein}(x)$ is the integral from $0$ to $x$ of $(1 - \mathrm{e}^{-t})/t$"),
+    Function(sp.expint, lambda s, z: z.expint(s), _anywhere, domain=lambda s, z: (z,), latex="E", indexed=True),
+    Function(
+        sp.polylog,
+        lambda s, z: z.polylog(s),
+        _anywhere,
+        domain=lambda s, z: () if z.is_imaginary else (1 - z,),
+        latex=r"\operatorname{Li}",
+        indexed=True,
+        meaning=r"$\operatorname{Li}_n$ is the polylogarithm",
+    ),
+    Function(
+        Ein,
+        Ein.ball,
+        analytic=True,
+        floats=Ein.floats,
+        latex=r"\operatorname{Ein}",
+        dlmf="6.2",
+        meaning=r"$\operatorname{Ein}(x)$ is the integral from $0$ to $x$ of $(1 - \mathrm{e}^{-t})/t$",
+    ),
     Function(sp.zeta, acb.zeta, _anywhere, latex=r"\zeta"),
-    Function(sp.dirichlet_eta, acb.dirichlet_eta, _anywhere, latex=r"\eta",
-             meaning=r"$\eta$ is Dirichlet's eta function"),
-    Function(sp.hyper, None, domain=_where_it_converges, latex=None, dlmf="16.3, 16.2",
-             meaning="${}_pF_q$ is the generalised hypergeometric function"),
-    Function(sp.elliptic_k, acb.elliptic_k, _anywhere, domain=lambda m: (1 - m,),
-             hypergeometric=lambda m: sp.pi / 2 * sp.hyper((_HALF, _HALF), (1,), m), latex="K", dlmf="19.4, 19.5"),
-    Function(sp.elliptic_e, acb.elliptic_e, _anywhere, domain=lambda m: (1 - m,),
-             hypergeometric=lambda m: sp.pi / 2 * sp.hyper((-_HALF, _HALF), (1,), m), latex="E", dlmf="19.4, 19.5",
-             meaning="$E(m)$ is the complete elliptic integral of the second kind of the parameter $m$"),
-    Function(sp.elliptic_pi, acb.elliptic_pi, _anywhere, domain=lambda n, m: (1 - n, 1 - m), latex=r"\Pi",
-             dlmf="19.2, 19.4, 19.5",
-             meaning=r"$\Pi(n, m)$ is the one of the third kind, of the characteristic $n$"),
-    Function(Lerch, Lerch.ball, _anywhere, domain=lambda z, s, a: () if z.is_nonpositive else None,
-             latex=r"\Phi"),
-    Function(sp.Ei, acb.ei, _anywhere, domain=lambda z: (z,), latex=r"\operatorname{Ei}",
-             meaning=r"$\operatorname{Ei}$ is the exponential integral"),
-    Function(sp.Si, acb.si, analytic=True, bounded=True, latex=r"\operatorname{Si}",
-             meaning=r"$\operatorname{Si}(x)$ is the integral from $0$ to $x$ of $\sin(t)/t$"),
+    Function(
+        sp.dirichlet_eta,
+        acb.dirichlet_eta,
+        _anywhere,
+        latex=r"\eta",
+        meaning=r"$\eta$ is Dirichlet's eta function",
+    ),
+    Function(
+        sp.hyper,
+        None,
+        domain=_where_it_converges,
+        latex=None,
+        dlmf="16.3, 16.2",
+        meaning="${}_pF_q$ is the generalised hypergeometric function",
+    ),
+    Function(
+        sp.elliptic_k,
+        acb.elliptic_k,
+        _anywhere,
+        domain=lambda m: (1 - m,),
+        hypergeometric=lambda m: sp.pi / 2 * sp.hyper((_HALF, _HALF), (1,), m),
+        latex="K",
+        dlmf="19.4, 19.5",
+    ),
+    Function(
+        sp.elliptic_e,
+        acb.elliptic_e,
+        _anywhere,
+        domain=lambda m: (1 - m,),
+        hypergeometric=lambda m: sp.pi / 2 * sp.hyper((-_HALF, _HALF), (1,), m),
+        latex="E",
+        dlmf="19.4, 19.5",
+        meaning="$E(m)$ is the complete elliptic integral of the second kind of the parameter $m$",
+    ),
+    Function(
+        sp.elliptic_pi,
+        acb.elliptic_pi,
+        _anywhere,
+        domain=lambda n, m: (1 - n, 1 - m),
+        latex=r"\Pi",
+        dlmf="19.2, 19.4, 19.5",
+        meaning=r"$\Pi(n, m)$ is the one of the third kind, of the characteristic $n$",
+    ),
+    Function(Lerch, Lerch.ball, _anywhere, domain=lambda z, s, a: () if z.is_nonpositive else None, latex=r"\Phi"),
+    Function(
+        sp.Ei,
+        acb.ei,
+        _anywhere,
+        domain=lambda z: (z,),
+        latex=r"\operatorname{Ei}",
+        meaning=r"$\operatorname{Ei}$ is the exponential integral",
+    ),
+    Function(
+        sp.Si,
+        acb.si,
+        analytic=True,
+        bounded=True,
+        latex=r"\operatorname{Si}",
+        meaning=r"$\operatorname{Si}(x)$ is the integral from $0$ to $x$ of $\sin(t)/t$",
+    ),
     Function(sp.Ci, acb.ci, _anywhere),
     Function(sp.Shi, acb.shi, _anywhere),
     Function(sp.Chi, acb.chi, _anywhere),
@@ -306,7 +520,7 @@ _ROWS = (
     Function(sp.Abs, lambda z: acb(abs(z)), _anywhere, latex=None),
     Function(sp.arg, lambda z: acb(z.arg()), _anywhere, latex=r"\arg"),
     Function(sp.sign, lambda z: z.sgn(), _anywhere, latex=r"\operatorname{sgn}"),
-)  # fmt: skip
+)
 
 FUNCTIONS: dict[type[Expr], Function] = {function.kind: function for function in _ROWS}
 """Every function by SymPy's class."""

@@ -66,7 +66,7 @@ def steps(items: Collection[T], what: Callable[[T], str]) -> Iterator[Iterator[T
 
 
 @contextmanager
-def listened_by(listener: Listener) -> Iterator[None]:
+def report_every_step_to(listener: Listener) -> Iterator[None]:
     """Let a function hear of every step in a block, besides whoever does already."""
     before = _listener.get()
 
@@ -83,20 +83,20 @@ def listened_by(listener: Listener) -> Iterator[None]:
 
 
 @contextmanager
-def heard_by(hear: Callable[[Step], object] | None) -> Iterator[None]:
+def report_steps_to(hear: Callable[[Step], object] | None) -> Iterator[None]:
     """Let a function, if there is one, hear of the steps of a block, without those within them."""
     if hear is None:
         yield
         return
     depth = len(_path.get())
-    with listened_by(lambda path: hear(path[-1]) if len(path) == depth + 1 else None):
+    with report_every_step_to(lambda path: hear(path[-1]) if len(path) == depth + 1 else None):
         yield
 
 
 @contextmanager
-def counted_by(progress: Callable[[int, int], object] | None) -> Iterator[None]:
+def report_counts_to(progress: Callable[[int, int], object] | None) -> Iterator[None]:
     """Let a function, if there is one, hear how many steps of a block are done, and of how many."""
     if not (progress is None or callable(progress)):
         raise InputError(Name("progress"), f" is a function of two numbers, got {progress!r:.60}")
-    with heard_by(progress and (lambda step: progress(step.done, step.total))):
+    with report_steps_to(progress and (lambda step: progress(step.done, step.total))):
         yield

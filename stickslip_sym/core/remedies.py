@@ -32,13 +32,13 @@ class Name(Remedy):
 
 
 @dataclass(frozen=True)
-class Values(Remedy):
+class ParameterValues(Remedy):
     """Values of parameters of the law, with examples."""
 
     values: Mapping[str, object]
 
     @classmethod
-    def of(cls, *names: str) -> "Values":
+    def of(cls, *names: str) -> "ParameterValues":
         """Return values of parameters that are left open."""
         return cls(dict.fromkeys(names, ...))
 
@@ -83,7 +83,7 @@ def in_python(remedy: Remedy) -> str:
             return f'{name}="{text}"'
         case Argument(name, value):
             return f"{name}={'...' if value is ... else value}"
-        case Values(values):
+        case ParameterValues(values):
             shown = (f"{name}={'...' if value is ... else value}" for name, value in values.items())
             return f"law.bind({', '.join(shown)})"
         case AnySign(parameter):

@@ -242,7 +242,7 @@ def enclose(
         return EnclosedCriterion(zero, zero, law, criterion, speed, force)
 
     def enclosed() -> arb:
-        value = ball(force).real * average_ball(law.expr, point, criterion, ball(speed).real, speed)
+        value = ball(force).real * average_enclosure(law.expr, point, criterion, ball(speed).real, speed)
         if not value.is_finite():
             raise NotConverged(
                 f"the {criterion.name} criterion of {law.text} is not enclosed at V = {float(speed):g}"
@@ -254,7 +254,7 @@ def enclose(
     return EnclosedCriterion(ends.low, ends.high, law, criterion, speed, force)
 
 
-def average_ball(
+def average_enclosure(
     mu: Expr, point: Mapping[Expr, Expr | acb], criterion: Criterion, speed: arb, exact: Expr | None = None
 ) -> arb:
     """Return a ball around -<mu'(V(1 + s))>_w at the working precision; not finite where none is found.

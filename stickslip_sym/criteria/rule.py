@@ -52,11 +52,11 @@ def gauss_average(
     if criterion.weight is None:
         return _at_belt(slope, law.kinks, np.array(V, np.float64).ravel())
     if like is not None:
-        return average_of_slope(slope, like, V, A, criterion=criterion)
-    return average_of_slope(slope, table or law.table, V, A, criterion=criterion, own=True)
+        return gauss_average_of_slope(slope, like, V, A, criterion=criterion)
+    return gauss_average_of_slope(slope, table or law.table, V, A, criterion=criterion, own=True)
 
 
-def average_of_slope(
+def gauss_average_of_slope(
     slope: Slope,
     table: FrictionTable,
     V: ArrayLike,

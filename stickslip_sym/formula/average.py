@@ -284,7 +284,7 @@ class Continued:
             base: sp.Symbol(f"rate_{number}", positive=True) for number, base in enumerate(average.rates, 1)
         }
         bases = {base: average.rates[base][0] * (1 + r * symbols.v) for base, r in self.positive.items()}
-        self.source = average_of(average.profile.xreplace(bases), average.criterion)
+        self.source = average_of_profile(average.profile.xreplace(bases), average.criterion)
 
     @property
     def _formula(self) -> Expr:
@@ -321,6 +321,6 @@ class Continued:
 
 
 @lru_cache(maxsize=256)
-def average_of(profile: Expr, criterion: Criterion) -> Average:
+def average_of_profile(profile: Expr, criterion: Criterion) -> Average:
     """Return the average of a profile under a criterion: the same object again, with all that is known of it."""
     return Average(profile, criterion)

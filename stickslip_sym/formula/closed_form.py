@@ -15,13 +15,13 @@ from stickslip_sym.core.deadline import time_limit as limit
 from stickslip_sym.core.errors import InputError, NoClosedForm, NotConverged, OutOfTime
 from stickslip_sym.core.names import suggestion
 from stickslip_sym.core.numbers import Number, exact, require_type
-from stickslip_sym.core.progress import Step, listened_by, stages
+from stickslip_sym.core.progress import Step, report_every_step_to, stages
 from stickslip_sym.core.remedies import Argument, Call
 from stickslip_sym.core.special import NumberPower
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.symbols import N, V, c, mu, v
 from stickslip_sym.criteria.criterion import Criterion, CriterionName, catalogue, find
-from stickslip_sym.formula.average import Average, average_of
+from stickslip_sym.formula.average import Average, average_of_profile
 from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.exact import exact_value
 from stickslip_sym.formula.limits import Limits, limits_of
@@ -30,7 +30,7 @@ from stickslip_sym.formula.proof.normal_form import plain
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal
 from stickslip_sym.formula.slope_average import SlopeAverage
 from stickslip_sym.formula.tidy import tidy
-from stickslip_sym.model.expression.letters import lettered, with_numbers
+from stickslip_sym.model.expression.letters import name_constants, substitute_numbers
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.pieces import with_means
 from stickslip_sym.model.law import FrictionLaw
@@ -96,13 +96,13 @@ class ClosedForm(SlopeAverage):
     def averages(self) -> tuple[tuple[Term, Average], ...]:
         """The terms that vary with v, each with the average of its profile."""
         varying = [term for term in self.terms if term.profile.has(v)]
-        return tuple((term, average_of(term.profile, self.criterion)) for term in varying)
+        return tuple((term, average_of_profile(term.profile, self.criterion)) for term in varying)
 
     @cached_property
     def expr(self) -> Expr:
         """The damping coefficient c in kg/s, an expression in V, N and the law's parameters."""
         if self.general is not None:
-            return plain(with_numbers(self.general.expr, self.meanings))
+            return plain(substitute_numbers(self.general.expr, self.meanings))
         if self._is_long:
             return sp.Add(*self._tidied)
         return tidy(self._sum, self.law.expr, V)
@@ -187,7 +187,7 @@ class ClosedForm(SlopeAverage):
         derivation.equal(
             f"put in {letters}",
             f"the formula holds for all positive values of the letters in mu(v) = {in_letters}",
-            with_numbers(general.expr, self.meanings),
+            substitute_numbers(general.expr, self.meanings),
             self.expr,
             shown=c,
             formulas=(*equations, general.law.expr),
@@ -275,7 +275,7 @@ class ClosedForm(SlopeAverage):
         if self.general is not None:
             ends = self.general.limits
             found = (ends.at_rest, ends.far)
-            return Limits(*[None if end is None else with_numbers(end, self.meanings) for end in found])
+            return Limits(*[None if end is None else substitute_numbers(end, self.meanings) for end in found])
         return limits_of(self.averages, self.law.expr)
 
     def sensitivity(self, name: str) -> "ClosedForm":
@@ -524,7 +524,7 @@ def derive(
             progress(stage)
 
     try:
-        with limit(time_limit), listened_by(hear):
+        with limit(time_limit), report_every_step_to(hear):
             return _derived(law, criterion, search)
     except OutOfTime:
         raise NoClosedForm(
@@ -553,7 +553,7 @@ def _digits(number: Expr) -> int:
 
 def _differentiated(term: Term, criterion: Criterion, parameter: Expr) -> list[Term]:
     """Return the terms of the derivative of a term: of its amplitude, its scale, and its shapes."""
-    amplitude, scale, average = term.amplitude, term.scale, average_of(term.profile, criterion)
+    amplitude, scale, average = term.amplitude, term.scale, average_of_profile(term.profile, criterion)
     shares = [
         (None, sp.diff(amplitude, parameter), term.profile),
         (v, -amplitude * sp.diff(scale, parameter) / scale, v * average.slope),
@@ -567,7 +567,7 @@ def _differentiated(term: Term, criterion: Criterion, parameter: Expr) -> list[T
         if share == 0 or profile == 0:
             continue
         if variable is not None:
-            average_of(profile, criterion).offer(average, variable)
+            average_of_profile(profile, criterion).offer(average, variable)
         shapes = {shape: term.shapes[shape] for shape in shapes_of(profile)}
         terms.append(Term(sp.factor(share), scale, profile, shapes))
     return terms
@@ -591,7 +591,7 @@ def _in_letters(law: FrictionLaw) -> tuple[FrictionLaw, Mapping[Expr, Expr]]:
 
     The letters are those of the catalogue's law of the same shape, where there is one.
     """
-    found = lettered(law.expr)
+    found = name_constants(law.expr)
     if law.curve is not None or not found.meanings:
         return law, {}
     if (of_catalogue := law_of_same_shape(law)) is not None:

@@ -124,7 +124,7 @@ def _growth(expr: Expr) -> Expr | None:
     if not expr.has(V) or expr == V:
         return sp.Integer(expr == V)
     known = row(expr)
-    if known is not None and known.dies(*expr.args):
+    if known is not None and known.decays_superpolynomially(*expr.args):
         inside = None if expr.args[-1].is_Add else _growth(expr.args[-1])
         if inside is not None and inside.is_positive:
             return -sp.oo

@@ -15,7 +15,7 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import without_squares
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.closed_form import ClosedForm
-from stickslip_sym.model.expression.letters import with_numbers
+from stickslip_sym.model.expression.letters import substitute_numbers
 
 
 class Sign(Enum):
@@ -52,7 +52,7 @@ def transition_speeds(form: ClosedForm) -> TransitionSpeeds:
     if form.general is not None:
         vanishing = transition_speeds(form.general)
         if vanishing.formula is not None:
-            return replace(vanishing, formula=with_numbers(vanishing.formula, form.meanings))
+            return replace(vanishing, formula=substitute_numbers(vanishing.formula, form.meanings))
         if vanishing.everywhere:
             return vanishing
         return _at_typical_values(form)

@@ -20,7 +20,7 @@ from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.functions import fold, row
 from stickslip_sym.core.lambdify import Backend, context_of, function_of
 from stickslip_sym.core.numbers import to_mpf
-from stickslip_sym.model.expression.pieces import branch_from, without_endless
+from stickslip_sym.model.expression.pieces import branch_from, drop_unreachable_kinks
 from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.taylor_model import in_floats
 
@@ -39,7 +39,7 @@ def function_at(expr: Expr, values: Mapping[Expr, Expr], backend: Backend) -> Ca
 
     Values go in as arguments, not into the expression: SymPy would factor powers of fractions.
     """
-    compiled = function_of([*values, symbols.v], without_endless(expr, values), backend)
+    compiled = function_of([*values, symbols.v], drop_unreachable_kinks(expr, values), backend)
     if (context := context_of(backend)) is not None:  # rounded to the precision at a call
         return lambda v: compiled(*(to_mpf(value, context) for value in values.values()), v)
     return partial(compiled, *map(float, values.values()))
@@ -90,7 +90,7 @@ def rises_of(segments: Sequence[tuple[Expr, Expr]], values: Mapping[Expr, Expr])
 def _rise(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -> Rising:
     plain, onset = function_at(piece, values, "numpy"), limit_at_rest(lowest, values)
     # A piece that begins at 0 has the 0 itself in its formula, so that what is 0 there is left out.
-    gained = gain(piece, symbols.v, _START if start else start)
+    gained = stable_difference(piece, symbols.v, _START if start else start)
     before = 0.0
     if start:  # computed by balls: the two may be close
         ends = number_at(piece, {**values, symbols.v: start}), number_at(lowest, {**values, symbols.v: sp.S.Zero})
@@ -127,7 +127,7 @@ def _term_by_term(piece: Expr, start: Expr, values: Mapping[Expr, Expr]) -> list
     """Return the rises of the terms of a sum, a difference where products overflow, as of a narrow bump."""
 
     def rise_of(term: Expr) -> Rising:
-        gained = gain(term, symbols.v, _START if start else start)
+        gained = stable_difference(term, symbols.v, _START if start else start)
         low = number_at(term, {**values, symbols.v: start})
         by_products = function_at(sp.nan if gained is None else gained, {**values, _START: start}, "numpy")
         plain = function_at(term, values, "numpy")
@@ -145,7 +145,7 @@ class _NoValue(Exception):
     """A part has no finite value at the start."""
 
 
-def gain(expr: Expr, variable: Expr, start: Expr) -> Expr | None:
+def stable_difference(expr: Expr, variable: Expr, start: Expr) -> Expr | None:
     """Return expr(variable) - expr(start), without pieces, in a form that does not cancel where the two are close.
 
     It is None where a part of the expression has no finite value at `start`. A function that has no rule in the
@@ -153,7 +153,7 @@ def gain(expr: Expr, variable: Expr, start: Expr) -> Expr | None:
     """
 
     def gained(node: Expr, parts: list[tuple[Expr, Expr]]) -> tuple[Expr, Expr]:
-        """Return the value of a node at the start, and its gain, from those of its arguments."""
+        """Return the value of a node at the start, and its difference from there, from those of its arguments."""
         if not node.has(variable):
             return node, sp.S.Zero
         if node == variable:
@@ -170,12 +170,12 @@ def gain(expr: Expr, variable: Expr, start: Expr) -> Expr | None:
             ]
             return low, sp.Add(*rises)
         if node.is_Pow and len(parts) == 2:
-            return low, _of_power(node, low, *parts)
+            return low, _difference_of_power(node, low, *parts)
         known = row(node)
-        if known is None or known.gain is None:
+        if known is None or known.stable_difference is None:
             return low, node - low
         ((before, rise),) = parts
-        return low, known.gain(node.exp if node.is_Pow else node.args[0], before, rise)
+        return low, known.stable_difference(node.exp if node.is_Pow else node.args[0], before, rise)
 
     try:
         return fold(expr, gained)[1]
@@ -183,8 +183,8 @@ def gain(expr: Expr, variable: Expr, start: Expr) -> Expr | None:
         return None
 
 
-def _of_power(node: Expr, low: Expr, base: tuple[Expr, Expr], exponent: tuple[Expr, Expr]) -> Expr:
-    """Return the gain of a power from its value at the start, and the values and gains of its two parts."""
+def _difference_of_power(node: Expr, low: Expr, base: tuple[Expr, Expr], exponent: tuple[Expr, Expr]) -> Expr:
+    """Return how far a power is from its value at the start, by the values and differences of its two parts."""
     (base_low, base_rise), (power, power_rise) = base, exponent
     if power_rise != 0:  # that of p log(b) is (p_0 + rise of p) (rise of log b) + (rise of p) log(b_0)
         if base_low == 0:

@@ -15,7 +15,7 @@ from stickslip_sym.core.foreign import printable
 from stickslip_sym.core.lambdify import Backend
 from stickslip_sym.core.names import suggestion
 from stickslip_sym.core.numbers import Number, exact, require_type
-from stickslip_sym.core.remedies import AnySign, Argument, Values
+from stickslip_sym.core.remedies import AnySign, Argument, ParameterValues
 from stickslip_sym.core.uncertain import UFloat, separated, spread
 from stickslip_sym.core.units import in_si
 from stickslip_sym.model import at_rest
@@ -275,7 +275,8 @@ class FrictionLaw(DescribedLaw, MadeOfMeasurements, DataResult):
         used = {symbol.name for expr in (self.expr, *exprs) for symbol in expr.free_symbols}
         if missing := [key for key in self.missing if key in used]:
             raise InputError(
-                f"{self._label()} has no value for {', '.join(missing)}; give it first: ", Values.of(*missing)
+                f"{self._label()} has no value for {', '.join(missing)}; give it first: ",
+                ParameterValues.of(*missing),
             )
 
     @property

@@ -6,7 +6,7 @@ import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.symbols import v
-from stickslip_sym.model.expression.letters import is_same, with_numbers
+from stickslip_sym.model.expression.letters import is_same, substitute_numbers
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import laws
 from stickslip_sym.model.terms import Term
@@ -27,7 +27,7 @@ def law_of_same_shape(law: FrictionLaw) -> tuple[FrictionLaw, Mapping[Expr, Expr
         if _kinds(candidate.expr) != kinds:
             continue
         values = _values(candidate, law)
-        if values is not None and is_same(with_numbers(candidate.expr, values), law.expr):
+        if values is not None and is_same(substitute_numbers(candidate.expr, values), law.expr):
             return candidate, values
     return None
 
@@ -52,7 +52,7 @@ def _values(candidate: FrictionLaw, law: FrictionLaw) -> dict[Expr, Expr] | None
         if len(solutions) != 1:
             return None
         values[symbol] = solutions[0]
-        equations = [(with_numbers(one, {symbol: solutions[0]}), other) for one, other in equations]
+        equations = [(substitute_numbers(one, {symbol: solutions[0]}), other) for one, other in equations]
     return {symbol: values[symbol] for symbol in unknown} if equations is not None else None
 
 

@@ -42,7 +42,7 @@ from stickslip_sym.model.at_rest import Rising
 from stickslip_sym.model.expression.slope import slope_of
 from stickslip_sym.model.expression.transitions import transitions
 from stickslip_sym.model.taylor_model import balls_from_rest
-from stickslip_sym.numerics.chebyshev import evaluate, grid, tail
+from stickslip_sym.numerics.chebyshev import grid, polynomial_values, tail
 from stickslip_sym.numerics.known import Unknown
 from stickslip_sym.numerics.subdivide import (
     CROWDED,
@@ -460,7 +460,7 @@ def _first(segment: _Segment) -> tuple[FloatArray, float]:
         own = np.abs(nodes * (coefficients @ _GRID.polynomials) - values) <= _NOISE * np.abs(values) + noise
         for i in np.flatnonzero(fits & own.all(axis=1))[::-1]:
             below, there = nodes[: i + 1], values[: i + 1]
-            fitted = below * evaluate(coefficients[i], 2 * below / widths[i] - 1)
+            fitted = below * polynomial_values(coefficients[i], 2 * below / widths[i] - 1)
             if (np.abs(fitted - there) <= _NOISE * np.abs(there) + noise).all() and (
                 segment.is_sure(0.0, widths[i], steepest[i], 0)
                 or _is_sure_towards_rest(segment, float(widths[0]), float(widths[i]), steepest[i])

@@ -17,7 +17,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.balls import ball_value
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.model.expression.letters import lettered, with_numbers
+from stickslip_sym.model.expression.letters import name_constants, substitute_numbers
 from stickslip_sym.model.expression.pieces import RELATIONS, place_of
 from stickslip_sym.model.taylor_model import cancels, poles
 
@@ -54,7 +54,7 @@ class Term:
     def in_parameters(self, function: Expr) -> Expr:
         """Return a function of the shapes and of speeds in units of the scale in terms of the law's parameters."""
         belt = {symbols.V: symbols.V / self.scale}
-        return _at_scale(with_numbers(function, {**belt, **self.shapes}), 1 / self.scale)
+        return _at_scale(substitute_numbers(function, {**belt, **self.shapes}), 1 / self.scale)
 
     def __hash__(self) -> int:
         return hash((self.amplitude, self.scale, self.profile, tuple(self.shapes.items())))
@@ -162,7 +162,7 @@ def _polynomial_terms(polynomial: Expr, v: Expr) -> Iterator[Term]:
 
 def _in_letters(constant: Expr, rest: Expr) -> Term:
     """Return a term whose long numbers are taken for parameters: those that are left in its profile are shapes."""
-    general = lettered(rest)
+    general = name_constants(rest)
     term = _scaled(sp.Integer(1), general.expr)
     shapes = {shape: general.put_back(meaning) for shape, meaning in term.shapes.items()}
     amplitude = sp.factor(constant * general.put_back(term.amplitude))
@@ -202,7 +202,9 @@ def _at_scale(rest: Expr, scale: Expr) -> Expr:
         node: relative < sp.powsimp(place_of(node) / scale)
         for node in rest.atoms(*RELATIONS) if node.has(symbols.v)
     }  # fmt: skip
-    return with_numbers(rest.xreplace(relations), {symbols.v: scale * relative}).xreplace({relative: symbols.v})
+    return substitute_numbers(rest.xreplace(relations), {symbols.v: scale * relative}).xreplace(
+        {relative: symbols.v}
+    )
 
 
 def _logarithms_apart(expr: Expr) -> Expr:

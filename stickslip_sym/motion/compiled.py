@@ -18,7 +18,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, TypeVar
 
-from stickslip_sym.core.deadline import is_late, uncounted
+from stickslip_sym.core.deadline import exempt_from_time_limit, is_late
 from stickslip_sym.core.interrupts import held_back
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -86,7 +86,7 @@ def compiled(function: _Function) -> _Function:
 
     def call(*arguments: Any) -> Any:
         if not machine_code.overloads:
-            with uncounted(), _announced("compiling the integrator, once for this installation ..."):
+            with exempt_from_time_limit(), _announced("compiling the integrator, once for this installation ..."):
                 _load_or_make(machine_code, function, tuple(map(numba.typeof, arguments)))
             _ready.add(function)
         return machine_code(*arguments)

@@ -104,12 +104,12 @@ def _gauss_grid(n: int, _bits: int) -> tuple[BallGrid, list[arb]]:
     return BallGrid(nodes), [weight.mid() for weight in weights]
 
 
-def evaluate(coefficients: FloatArray, t: FloatArray) -> FloatArray:
+def polynomial_values(coefficients: FloatArray, t: FloatArray) -> FloatArray:
     """Return the values of a polynomial at each t, or of rows of them at the columns of t."""
     return np.asarray(chebyshev.chebval(t, coefficients.T, tensor=False))
 
 
-def derivative(coefficients: FloatArray) -> FloatArray:
+def derivative_coefficients(coefficients: FloatArray) -> FloatArray:
     """Return the coefficients of the slope."""
     return np.asarray(chebyshev.chebder(coefficients, axis=-1))
 

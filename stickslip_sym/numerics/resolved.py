@@ -20,7 +20,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from stickslip_sym.core.aliases import FloatArray
-from stickslip_sym.numerics.chebyshev import derivative, evaluate, grid, real_roots, tail
+from stickslip_sym.numerics.chebyshev import derivative_coefficients, grid, polynomial_values, real_roots, tail
 from stickslip_sym.numerics.known import Column, Unknown
 from stickslip_sym.numerics.subdivide import (
     NARROW,
@@ -100,7 +100,7 @@ class Piece(NamedTuple):
     def at(self, x: float) -> float:
         """Return the value at an argument."""
         place = (2 * x - self.low - self.high) / (self.high - self.low)
-        return float(evaluate(self.coefficients, np.asarray(place)))
+        return float(polynomial_values(self.coefficients, np.asarray(place)))
 
     def side(self, level: float) -> int:
         """Return 1 where the coefficients show that the polynomial lies above a value, -1 below, else 0."""
@@ -113,7 +113,7 @@ class Piece(NamedTuple):
         """Both ends, and the arguments between them at which the slope vanishes."""
         inside: FloatArray = np.empty(0)
         if np.abs(self.coefficients[1:]).sum() > self.error:
-            inside = real_roots(derivative(self.coefficients))
+            inside = real_roots(derivative_coefficients(self.coefficients))
         arguments = (self.low + self.high) / 2 + (self.high - self.low) / 2 * inside
         return [Turn(x, self.at(x), self.error) for x in (self.low, *arguments.tolist(), self.high)]
 

@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 import stickslip_sym as ss
 from stickslip_sym.core.precision import refined, working_precision
-from stickslip_sym.criteria.enclosure import average_ball
+from stickslip_sym.criteria.enclosure import average_enclosure
 from stickslip_sym.formula.evaluation import making
 from stickslip_sym.formula.evaluation.branches import Table
 from stickslip_sym.formula.evaluation.values import BITS, SMALLEST, MeanSlope
@@ -63,7 +63,9 @@ class Case:
     @staticmethod
     def enclosed(average, point, r):
         try:
-            return refined(lambda: average_ball(average.profile, point, average.criterion, arb(r)), BITS // 2, 600)
+            return refined(
+                lambda: average_enclosure(average.profile, point, average.criterion, arb(r)), BITS // 2, 600
+            )
         except ss.StickSlipError:
             return arb("nan")
 

@@ -3,14 +3,14 @@
 import pytest
 
 import stickslip_sym as ss
-from stickslip_sym.core.progress import listened_by, steps
+from stickslip_sym.core.progress import report_every_step_to, steps
 
 LAW, SCENE = ss.laws.exponential.typical(), ss.Oscillator(V=0.3, N=9.81, m=1, k=10, c=1)
 
 
 def said_by(function):
     heard = []
-    with listened_by(heard.append):
+    with report_every_step_to(heard.append):
         function()
     return [tuple(step.what for step in path) for path in heard]
 

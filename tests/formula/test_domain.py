@@ -9,7 +9,7 @@ from sweeps import sweep
 import stickslip_sym as ss
 from stickslip_sym.core import symbols
 from stickslip_sym.criteria.criterion import find
-from stickslip_sym.formula.average import Continued, average_of
+from stickslip_sym.formula.average import Continued, average_of_profile
 from stickslip_sym.formula.proof.recurrence import definition
 
 RNG = random.Random(4009)
@@ -50,7 +50,7 @@ def test_a_closed_form_holds_where_its_condition_does(law, criterion):
 
 def test_what_is_not_analytic_is_not_continued():
     """|r - 1| is 1 - r for r < 1, and not beyond: a formula with it is refused by the theorem."""
-    average = average_of(1 / (1 - symbols.v), find("harmonic"))
+    average = average_of_profile(1 / (1 - symbols.v), find("harmonic"))
     continued = Continued(average)
     integral = definition(average.profile, average.criterion)
     assert continued(integral) == average.find()

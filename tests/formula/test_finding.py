@@ -11,7 +11,7 @@ from sweeps import sweep
 import stickslip_sym as ss
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.special import Langevin
-from stickslip_sym.formula.average import average_of
+from stickslip_sym.formula.average import average_of_profile
 from stickslip_sym.formula.finding.antiderivatives import antiderivative
 from stickslip_sym.formula.finding.averages import harmonic_average
 from stickslip_sym.formula.proof import recurrence
@@ -156,7 +156,7 @@ BY_WEIGHTS = [(term, criterion) for term in POLYNOMIAL for criterion in (ss.crit
 @sweep(("term", "criterion"), BY_WEIGHTS, *(case for case in BY_WEIGHTS[::3] if not case[0].has(sp.log)), ids=str)
 def test_a_polynomial_weight_is_served_too(term, criterion):
     """Also a user's, that is not symmetric; what is found by antiderivatives is proved without them."""
-    value = average_of(term, criterion).find()
+    value = average_of_profile(term, criterion).find()
     prove_average(term, value, criterion)
     for wrong in (SLIGHTLY * value, value + V**30 / 10**20, value.subs(V, SLIGHTLY * V)):
         with pytest.raises(ValueError, match="not known"):

@@ -8,7 +8,7 @@ from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core.symbols import v
-from stickslip_sym.model.expression.letters import lettered, with_numbers
+from stickslip_sym.model.expression.letters import name_constants, substitute_numbers
 from stickslip_sym.model.same_shape import law_of_same_shape
 
 FAMILIES = (
@@ -30,7 +30,7 @@ def test_numbers_of_any_length_give_the_formula_in_letters(family, digits):
     assert form.verdict.status is ss.Status.PROVED
     assert form.general is not None
     assert not [n for n in form.general.expr.atoms(sp.Rational) if max(abs(n.p), n.q) > 1000]
-    assert sp.expand(with_numbers(form.general.law.expr, form.meanings) - form.law.expr) == 0
+    assert sp.expand(substitute_numbers(form.general.law.expr, form.meanings) - form.law.expr) == 0
     expected = ss.quadrature.damping(form.law, "least_squares", V="0.7", N=3, digits=30)
     assert abs(form.evaluate(30, V="0.7", N=3) / expected - 1) < 1e-27
     assert form(V=0.7, N=3.0) == pytest.approx(float(expected), rel=1e-12)
@@ -45,7 +45,7 @@ def test_letters_are_those_of_the_catalogues_law_of_the_same_shape(name):
     law, rng = ss.laws[name], random.Random(name)
     values = {p: str(rng.randint(1001, 1999) / 2000 + (p == "mu_s")) for p in law.parameters}
     numbers_of = {law.parameters[p].symbol: sp.Rational(value) for p, value in values.items()}
-    special = ss.FrictionLaw(with_numbers(law.expr, numbers_of))
+    special = ss.FrictionLaw(substitute_numbers(law.expr, numbers_of))
     assert special.parameters == {}
     found = law_of_same_shape(special)
     assert found is not None
@@ -55,7 +55,7 @@ def test_letters_are_those_of_the_catalogues_law_of_the_same_shape(name):
 
 
 def test_a_letter_is_one_number_wherever_it_stands():
-    found = lettered(ss.FrictionLaw("0.123 + 0.456*exp(-v/0.789)*v^1.23456 - 0.456*tanh(v/0.789)").expr)
+    found = name_constants(ss.FrictionLaw("0.123 + 0.456*exp(-v/0.789)*v^1.23456 - 0.456*tanh(v/0.789)").expr)
     assert sorted(map(float, found.meanings.values())) == [0.123, 0.456, 0.789, 1.23456]
 
 

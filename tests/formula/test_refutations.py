@@ -15,7 +15,7 @@ from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.core.precision import from_mpmath, working_precision
 from stickslip_sym.core.symbols import V, u
-from stickslip_sym.criteria.enclosure import average_ball
+from stickslip_sym.criteria.enclosure import average_enclosure
 from stickslip_sym.formula.exact import formula_ball, to_digits
 from stickslip_sym.formula.proof import gate
 from stickslip_sym.formula.proof.proving import prove_equal
@@ -115,14 +115,14 @@ def test_points_without_a_value_say_nothing(monkeypatch, error, fails, status):
         calls.append(given)
         if len(calls) % fails == 0:
             raise error("not here")
-        return average_ball(*given)
+        return average_enclosure(*given)
 
     def fail(*_):
         raise error("not here")
 
     profile, closed = sp.exp(-symbols.v), -sp.exp(-V) + 1
     right = ss.derive(ss.FrictionLaw("exp(-v)")).averages[0][1].closed
-    monkeypatch.setattr(gate, "average_ball", sometimes)
+    monkeypatch.setattr(gate, "average_enclosure", sometimes)
     monkeypatch.setattr(ss.quadrature, "average", fail)
     assert gate.verify(profile, ss.criteria.least_squares, right).status is status
     if status is ss.Status.CHECKED:

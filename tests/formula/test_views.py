@@ -12,7 +12,7 @@ from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core import deadline, symbols
-from stickslip_sym.formula.average import Average, average_of
+from stickslip_sym.formula.average import Average, average_of_profile
 from stickslip_sym.output.content import content
 
 POINT = {"V": 0.5, "N": 9.81, "mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0}
@@ -122,7 +122,7 @@ def test_a_divergent_integral_has_no_value(criterion, bound):
 
 
 def test_what_failed_is_not_tried_again(monkeypatch, fresh_averages):
-    average = average_of(sp.tanh(sp.exp(ss.symbols.v)), ss.criteria.least_squares)
+    average = average_of_profile(sp.tanh(sp.exp(ss.symbols.v)), ss.criteria.least_squares)
     asked = []
     integrated = Average._integrated
     monkeypatch.setattr(Average, "_integrated", lambda *a, **k: asked.append(1) or integrated(*a, **k))

@@ -17,9 +17,9 @@ def test_matrices_are_those_of_polynomials(n):
         values = reference.chebval(grid.nodes, coefficients)
         assert coefficients @ grid.polynomials == pytest.approx(values, abs=1e-15 * n**2)
         assert values @ grid.coefficients == pytest.approx(coefficients, abs=1e-15 * n**2)
-        slope = chebyshev.derivative(coefficients)
+        slope = chebyshev.derivative_coefficients(coefficients)
         assert slope == pytest.approx(reference.chebder(coefficients))
-        slopes = chebyshev.evaluate(slope, grid.nodes)
+        slopes = chebyshev.polynomial_values(slope, grid.nodes)
         assert values @ grid.slopes == pytest.approx(slopes, abs=1e-15 * n**4)
         if n < 20:  # higher powers cancel
             powers = (coefficients @ grid.powers)[::-1]
@@ -31,7 +31,7 @@ def test_nodes_of_many_intervals():
     x = chebyshev.grid(5).between(np.array([0.0, 2.0]), np.array([1.0, 6.0]))
     assert x[1] == pytest.approx(4 + 2 * reference.chebpts1(5))
     rows = np.array([[1.0, 2.0], [3.0, -1.0]])
-    assert chebyshev.evaluate(rows, np.array([0.5, 0.25])).tolist() == [2.0, 2.75]
+    assert chebyshev.polynomial_values(rows, np.array([0.5, 0.25])).tolist() == [2.0, 2.75]
 
 
 def test_roots_between_the_ends_simple_and_double():

@@ -161,7 +161,7 @@ def test_every_remedy_of_the_package_is_carried_out_by_a_test():
             if not isinstance(node, ast.Raise) or node.exc is None:
                 continue
             source = re.sub(r"['\"]\s*f?['\"]", "", ast.unparse(node))
-            if re.search(r"\b(Call|Argument|Values|AnySign)\(", source):
+            if re.search(r"\b(Call|Argument|ParameterValues|AnySign)\(", source):
                 found += 1
                 assert any(words in source for words in (*REMEDIES, *RARE)), source
     assert found >= len(REMEDIES)

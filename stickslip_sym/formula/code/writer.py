@@ -19,7 +19,7 @@ from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import FUNCTIONS
 from stickslip_sym.core.names import lookup
-from stickslip_sym.core.remedies import Call, Values
+from stickslip_sym.core.remedies import Call, ParameterValues
 from stickslip_sym.core.special import NumberPower
 from stickslip_sym.core.status import Status
 from stickslip_sym.formula.code.languages import LANGUAGES, Language
@@ -29,7 +29,7 @@ from stickslip_sym.formula.evaluation.term_function import TermFunction
 from stickslip_sym.formula.evaluation.term_sum import TermSum
 from stickslip_sym.formula.proof.proving import Verdict
 from stickslip_sym.model.expression.normal_form import normal_form
-from stickslip_sym.model.expression.pieces import without_endless
+from stickslip_sym.model.expression.pieces import drop_unreachable_kinks
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.terms import terms_of
 from stickslip_sym.numerics.known import Unknown
@@ -53,7 +53,7 @@ def require_shapes(law: FrictionLaw) -> None:
         raise InputError(
             f"{', '.join(missing)} of the law {law.name or law.text} has no value, and code is written for "
             "one value of an exponent; give it first: ",
-            Values.of(missing[0]),
+            ParameterValues.of(missing[0]),
         )
 
 
@@ -80,7 +80,7 @@ def _settled(average: TermSum) -> tuple[list[TermFunction], set[Expr]]:
                     meeting |= part.free_symbols
     if not meeting:
         return average.functions, set()
-    expr = without_endless(law.expr, values).xreplace({symbol: values[symbol] for symbol in meeting})
+    expr = drop_unreachable_kinks(law.expr, values).xreplace({symbol: values[symbol] for symbol in meeting})
     return replace(average, terms=terms_of(normal_form(expr))).functions, meeting
 
 

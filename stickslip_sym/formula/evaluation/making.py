@@ -30,7 +30,7 @@ from stickslip_sym.core.precision import refined, working_precision
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.decay import decay_at_rest
-from stickslip_sym.criteria.enclosure import average_ball
+from stickslip_sym.criteria.enclosure import average_enclosure
 from stickslip_sym.formula.evaluation.branches import Branch, Branches, Sum, Table, value_of
 from stickslip_sym.formula.evaluation.expansion import (
     Powers,
@@ -44,7 +44,7 @@ from stickslip_sym.formula.evaluation.values import (
     BITS,
     SMALLEST,
     MeanSlope,
-    Values,
+    ReferenceAverage,
     scales_of,
     slope_of,
 )
@@ -114,7 +114,7 @@ def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Ma
     local, kinks = criterion.weight is None, kinks_at(profile, shapes)
 
     def by_definition(r: arb, kink: Expr | None = None) -> arb:
-        return refined(lambda: average_ball(profile, shapes, criterion, r, kink), BITS // 2, _MOST_BITS)
+        return refined(lambda: average_enclosure(profile, shapes, criterion, r, kink), BITS // 2, _MOST_BITS)
 
     for r in _looked_at(branches):
         with np.errstate(all="ignore"):
@@ -174,7 +174,7 @@ class _Builder:
 
     def __init__(self, profile: Expr, criterion: Criterion, closed: Expr | None, point: dict[Expr, Expr]) -> None:
         self.profile, self.criterion, self.point = profile, criterion, point
-        self.values = Values(profile, criterion, closed, point)
+        self.values = ReferenceAverage(profile, criterion, closed, point)
         self.local = criterion.weight is None
         self.closed = None if point else closed
         if self.local:

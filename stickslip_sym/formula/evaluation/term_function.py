@@ -18,7 +18,7 @@ from stickslip_sym.core.lambdify import function_of, power_of
 from stickslip_sym.core.numbers import binary_fraction
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.formula.average import average_of
+from stickslip_sym.formula.average import average_of_profile
 from stickslip_sym.formula.evaluation.branches import Branches, alike
 from stickslip_sym.formula.evaluation.making import branches_of
 from stickslip_sym.formula.evaluation.values import BITS, reach_of
@@ -72,7 +72,7 @@ class TermFunction:
     """
 
     def __init__(self, term: Term, criterion: Criterion, arguments: Sequence[Expr]) -> None:
-        self.term, self.average = term, average_of(term.profile, criterion)
+        self.term, self.average = term, average_of_profile(term.profile, criterion)
         self.number, amplitude = _factors(term.amplitude / term.scale)
         self.size, scale = _factors(term.scale)
         self.bases = list(dict.fromkeys([*amplitude, *scale]))

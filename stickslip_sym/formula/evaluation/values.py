@@ -95,7 +95,7 @@ class _Piece:
     average: arb_poly
 
 
-class Values:
+class ReferenceAverage:
     """F(r) of a profile g(v) at values of its shapes, as a function of balls of the working precision `BITS`.
 
     `closed` is F as a formula in V; it is forgotten where it is not the average by the Gauss rule too, at a few

@@ -28,11 +28,11 @@ _HALF = sp.Rational(1, 2)
 _HIGHEST_ROOT = 6  # of u, in rational functions
 
 
-def by_parts(polynomial: Expr, ladder: Callable[[int], Expr], u: Expr) -> Expr:
+def by_parts(polynomial: Expr, iterated_integral: Callable[[int], Expr], u: Expr) -> Expr:
     """Return sum_j (-1)^j polynomial^(j) ladder(j + 1), where ladder(j)' = ladder(j - 1)."""
     total, sign, j = sp.Integer(0), 1, 1
     while polynomial != 0:
-        total += sign * polynomial * ladder(j)
+        total += sign * polynomial * iterated_integral(j)
         polynomial, sign, j = sp.factor_terms(sp.diff(polynomial, u)), -sign, j + 1
     return total
 
@@ -56,14 +56,14 @@ def _integral(polynomial: Expr, u: Expr) -> Expr:
     return sp.Poly(polynomial, u).integrate().as_expr()
 
 
-def _ladder(polynomial: Expr, node: Expr, line: list[Expr], u: Expr) -> Expr | None:
+def _by_iterated_integrals(polynomial: Expr, node: Expr, line: list[Expr], u: Expr) -> Expr | None:
     """Integrate u^n times a power of a function of a linear argument."""
     base, power = (node, 1) if isinstance(node, sp.exp) else node.as_base_exp()
-    (_, *order), x, ladder = base.args, sp.Dummy("x", real=True), FUNCTIONS[base.func].ladder
+    (_, *order), x, iterated_integral = base.args, sp.Dummy("x", real=True), FUNCTIONS[base.func].iterated_integral
     n = int(order[0] if order else power)
-    if ladder is None or (order and power != 1) or ladder(x, n, 1) is None:
+    if iterated_integral is None or (order and power != 1) or iterated_integral(x, n, 1) is None:
         return None
-    return by_parts(polynomial, lambda j: ladder(x, n, j).subs(x, base.args[0]) / line[0] ** j, u)
+    return by_parts(polynomial, lambda j: iterated_integral(x, n, j).subs(x, base.args[0]) / line[0] ** j, u)
 
 
 def _by_parts(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
@@ -247,7 +247,7 @@ def _sine_over_speed(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
         return None
     powers = sp.Poly(polynomial, u)
     higher = sp.cancel((powers - powers.nth(0)).as_expr() / u)
-    left = _ladder(higher, sine, line, u) if higher != 0 else sp.Integer(0)
+    left = _by_iterated_integrals(higher, sine, line, u) if higher != 0 else sp.Integer(0)
     return None if left is None else powers.nth(0) * sp.Si(sine.args[0]) + left
 
 
@@ -256,7 +256,7 @@ def _exponential_logarithm(polynomial: Expr, exponential: Expr, logarithm: Expr,
     line, inner = coefficients(exponential.args[0], u), coefficients(logarithm.args[0], u)
     if logarithm.is_Pow or len(line) != 2 or len(inner) != 2 or inner[1] == 0:
         return None
-    whole = sp.factor_terms(_ladder(polynomial, exponential, line, u) / exponential)
+    whole = sp.factor_terms(_by_iterated_integrals(polynomial, exponential, line, u) / exponential)
     left = _exponential_over_linear(whole, sp.diff(logarithm, u) * exponential, u)
     return None if left is None else whole * exponential * logarithm - left
 
@@ -267,7 +267,7 @@ def _exponential_of_root(polynomial: Expr, error: Expr, exponential: Expr, u: Ex
     rate = sp.expand(error.args[0] ** 2) / u
     if error.is_Pow or len(line) != 2 or rate.has(u) or not rate.is_positive:
         return None
-    whole = sp.factor_terms(_ladder(polynomial, exponential, line, u) / exponential)
+    whole = sp.factor_terms(_by_iterated_integrals(polynomial, exponential, line, u) / exponential)
     left = antiderivative(sp.expand(whole * exponential * sp.diff(error, u)), sp.Integer(1), u)
     return None if left is None else whole * exponential * error - left[1]
 
@@ -351,7 +351,7 @@ def _exponential_erf(polynomial: Expr, erf: Expr, exponential: Expr, u: Expr) ->
     inner = coefficients(erf.args[0], u)
     if erf.is_Pow or len(line) != 2 or len(inner) != 2:
         return None
-    whole = sp.factor_terms(_ladder(polynomial, exponential, line, u) / exponential)
+    whole = sp.factor_terms(_by_iterated_integrals(polynomial, exponential, line, u) / exponential)
     exponent = sp.expand(exponential.args[0] - erf.args[0] ** 2)
     left = _gaussian(
         sp.expand(2 * inner[0] / sp.sqrt(sp.pi) * whole), sp.exp(exponent), coefficients(exponent, u), u
@@ -423,7 +423,7 @@ def _exponential_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr |
     line = coefficients(exponential.args[0], u) if isinstance(exponential, sp.exp) else []
     if parts is None or len(line) != 2 or not line[0].is_negative or any(len(base) > 2 for _, base, _ in parts[1]):
         return None
-    total = _ladder(parts[0], exponential, line, u) or sp.Integer(0)
+    total = _by_iterated_integrals(parts[0], exponential, line, u) or sp.Integer(0)
     for numerator, (_, shift), power in parts[1]:
         base = u + shift
         for k in range(power - 1, 0, -1):
@@ -483,7 +483,12 @@ def _exponential_tanh(polynomial: Expr, exponential: Expr, tanh: Expr, u: Expr) 
 _RULES = (
     Rule("polynomial", (), _integral),
     Rule("partial fractions", None, _rational),
-    Rule("repeated integrals", (tuple(kind for kind, row in FUNCTIONS.items() if row.ladder),), _ladder, degree=1),
+    Rule(
+        "repeated integrals",
+        (tuple(kind for kind, row in FUNCTIONS.items() if row.iterated_integral),),
+        _by_iterated_integrals,
+        degree=1,
+    ),
     Rule("integration by parts", ((sp.log, sp.atan, sp.asinh, sp.asin, sp.acos, sp.erf),), _by_parts),
     Rule("power", (sp.Pow,), _power),
     Rule("square root of a quadratic", (sp.Pow,), _root),

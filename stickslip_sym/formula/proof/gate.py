@@ -25,7 +25,7 @@ from stickslip_sym.core.precision import mp, refined, working_precision
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria import quadrature
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.criteria.enclosure import Enclosure, average_ball, enclosure_of
+from stickslip_sym.criteria.enclosure import Enclosure, average_enclosure, enclosure_of
 from stickslip_sym.formula.exact import to_ball
 from stickslip_sym.formula.proof.proving import Verdict
 from stickslip_sym.model.expression.pieces import kinks_at
@@ -112,7 +112,7 @@ def _definition(profile: Expr, criterion: Criterion, point: Mapping[Expr, Expr])
     shapes = {symbol: value for symbol, value in point.items() if symbol != symbols.V}
 
     def enclosed() -> arb:
-        value = average_ball(profile, shapes, criterion, ball(point[symbols.V]).real)
+        value = average_enclosure(profile, shapes, criterion, ball(point[symbols.V]).real)
         if not value.is_finite():
             raise NotConverged(f"the average of {profile} is not enclosed")
         return value

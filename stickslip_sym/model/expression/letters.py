@@ -32,7 +32,7 @@ _NAMES = {
 
 
 @dataclass(frozen=True)
-class Lettered:
+class NamedConstants:
     """A formula in letters, and what each letter stands for: a positive number, or a sum of parameters."""
 
     expr: Expr
@@ -40,25 +40,25 @@ class Lettered:
 
     def put_back(self, expr: Expr) -> Expr:
         """Write what the letters stand for in their place."""
-        return with_numbers(expr, self.meanings)
+        return substitute_numbers(expr, self.meanings)
 
 
 @lru_cache(maxsize=256)
-def lettered(expr: Expr) -> Lettered:
+def name_constants(expr: Expr) -> NamedConstants:
     """Return a formula with a letter for every long number in it, and for every sum of parameters that v is times.
 
     Coefficients of polynomials under a fraction bar or a root stay, from the second degree on: the sign of a
     discriminant decides which functions an integral leads to. So do laws in pieces.
     """
     if not expr.has(symbols.v) or expr.has(sp.Piecewise, sp.Min, sp.Max):
-        return Lettered(expr)
+        return NamedConstants(expr)
     letters = _Letters(expr, _AT_A_GLANCE)
     general = letters.of(expr)
     if letters.meanings:
         letters = _Letters(expr, _BESIDE_LETTERS)
         general = letters.of(expr)
-    found = Lettered(general, letters.meanings)
-    return found if letters.meanings and is_same(found.put_back(general), expr) else Lettered(expr)
+    found = NamedConstants(general, letters.meanings)
+    return found if letters.meanings and is_same(found.put_back(general), expr) else NamedConstants(expr)
 
 
 def is_same(expr: Expr, other: Expr) -> bool:
@@ -66,13 +66,13 @@ def is_same(expr: Expr, other: Expr) -> bool:
     return bool(expr == other or sp.expand(expr) == sp.expand(other))
 
 
-def with_numbers(expr: Expr, meanings: Mapping[Expr, Expr]) -> Expr:
+def substitute_numbers(expr: Expr, meanings: Mapping[Expr, Expr]) -> Expr:
     """Replace letters by what they stand for; no power of a number is computed that SymPy would take apart."""
     if not meanings or not expr.free_symbols & meanings.keys():
         return expr
     if expr in meanings:
         return meanings[expr]
-    arguments = [with_numbers(argument, meanings) for argument in expr.args]
+    arguments = [substitute_numbers(argument, meanings) for argument in expr.args]
     if expr.is_Pow and expr.base is not sp.E:
         return power(*arguments)
     return expr.func(*arguments)

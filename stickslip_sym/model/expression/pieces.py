@@ -139,7 +139,7 @@ def kinks_at(expr: Expr, point: Mapping[Expr, Expr], what: str = "mu") -> list[E
     return sorted(speed for speed in set(speeds.values()) if 0 < speed < sp.oo)
 
 
-def without_endless(expr: Expr, point: Mapping[Expr, Expr]) -> Expr:
+def drop_unreachable_kinks(expr: Expr, point: Mapping[Expr, Expr]) -> Expr:
     """Return an expression without the kinks whose places no speed reaches at the values of the parameters.
 
     Arithmetic of floats would divide by 0 there.

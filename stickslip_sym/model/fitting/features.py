@@ -22,7 +22,7 @@ PHASES = np.pi / 4 * np.arange(1, 5)
 _MOST_LEVELS = 400  # of a grid
 
 
-class Feature(NamedTuple):
+class SearchGrid(NamedTuple):
     """A place or a wave: the parameter that moves it, by its number, and what is looked at.
 
     `measure` gives the place in m/s, or the radians of the wave from the first to the last speed, of values of all
@@ -64,7 +64,7 @@ class Feature(NamedTuple):
 
 def features_of(
     expr: Expr, free: Sequence[Expr], bound: Sequence[Expr], sought: Sequence[int], speeds: FloatArray
-) -> list[Feature]:
+) -> list[SearchGrid]:
     """Return the places and waves that parameters of a law move, those at which its formula changes first."""
     speeds = speeds[speeds > 0]
     if len(speeds) < 2:
@@ -72,7 +72,7 @@ def features_of(
     middles = _thinned((speeds[1:] + speeds[:-1]) / 2)
     turns = np.pi * (len(speeds) - 1)  # a wave that turns faster between evenly spaced speeds is a slower one too
     radians = np.linspace(_TURN, turns, min(int(turns / _TURN), 3 * _MOST_LEVELS))
-    arguments, features, taken = [*free, *bound], list[Feature](), set[int]()
+    arguments, features, taken = [*free, *bound], list[SearchGrid](), set[int]()
 
     def moving(part: Expr) -> list[int]:
         return [i for i in sought if free[i] in part.free_symbols and i not in taken]
@@ -82,7 +82,7 @@ def features_of(
         if moved:
             rates = tuple((i, function_of(arguments, rate, "numpy")) for i, rate in phases)
             measure = function_of(arguments, part, "numpy")
-            features.append(Feature(moved[0], measure, levels, rates, breaks, len(moved) == 1))
+            features.append(SearchGrid(moved[0], measure, levels, rates, breaks, len(moved) == 1))
             taken.update((moved[0], *dict(phases)))
 
     for place in places(expr):

@@ -14,8 +14,8 @@ from scipy.special import chdtr, chdtrc, fdtrc
 from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import SAME
-from stickslip_sym.core.progress import counted_by, steps
-from stickslip_sym.core.remedies import AnySign, Argument, Values
+from stickslip_sym.core.progress import report_counts_to, steps
+from stickslip_sym.core.remedies import AnySign, Argument, ParameterValues
 from stickslip_sym.model.fitting.lack_of_fit import chance_of_residuals, polynomials_of_rank
 from stickslip_sym.model.fitting.least_squares import Minimum, Problem
 from stickslip_sym.model.fitting.result import Fit, Fits
@@ -114,7 +114,7 @@ def fit(
         raise InputError("mu is missing; give fit(v, mu), or fit(read_measurements(path))")
     else:
         measured = Measurements.of(v, mu, sigma)
-    with counted_by(progress), np.errstate(**_USUAL):
+    with report_counts_to(progress), np.errstate(**_USUAL):
         return _fits(_laws(laws), measured)
 
 
@@ -273,7 +273,7 @@ def _rivals(fitted: Fit, rivals: list[tuple[int, Minimum]]) -> Iterator[str]:
             yield (
                 f"{name} = {minimum.p[i]:.4g} describes the measurements nearly as well as "
                 f"{fitted.values[name]:.4g}: standard errors hold for one of them; measure at more speeds, or "
-                f"fix it: {Values.of(name)}"
+                f"fix it: {ParameterValues.of(name)}"
             )
 
 
@@ -345,9 +345,9 @@ def _undetermined(names: tuple[str, ...], which: IntArray, strength: FloatArray)
     """Return that one parameter says nothing, or several are not distinguished, and which to fix: the weakest."""
     weakest = names[min(which, key=lambda i: abs(strength[i]))]
     if len(which) == 1:
-        return InputError(f"these measurements say nothing of {weakest}; fix it: ", Values.of(weakest))
+        return InputError(f"these measurements say nothing of {weakest}; fix it: ", ParameterValues.of(weakest))
     mixed = " and ".join(names[i] for i in which)
-    return InputError(f"these measurements do not tell {mixed} apart; fix one: ", Values.of(weakest))
+    return InputError(f"these measurements do not tell {mixed} apart; fix one: ", ParameterValues.of(weakest))
 
 
 def _of_rest(law: FrictionLaw, measured: Measurements) -> Iterator[str]:
@@ -368,7 +368,10 @@ def _lack_of_fit(problem: Problem, p: FloatArray, derivatives: FloatArray) -> It
     measured = problem.measured
     polynomials = measured.weights * polynomials_of_rank(measured.v).T
     chance = chance_of_residuals(
-        problem.residuals(p), derivatives, measured.beside_branches(polynomials).T, rounding_variance(measured)
+        problem.residuals(p),
+        derivatives,
+        measured.project_out_branches(polynomials).T,
+        rounding_variance(measured),
     )
     if chance is not None and chance < _DESCRIBES:
         least = f"{chance:.1g}" if chance >= _UNLIKELY else f"less than {_UNLIKELY:g}"
@@ -387,18 +390,18 @@ def _warnings(
         if problem.positive[i] and problem.linear[i] and p[i] == 0:
             yield (
                 f"{name} is held at its bound 0, where the measurements ask for less; fix it, "
-                f"{Values({name: 0})}, or, if any sign is meant, {AnySign(name)}"
+                f"{ParameterValues({name: 0})}, or, if any sign is meant, {AnySign(name)}"
             )
         elif problem.positive[i] and errors[i] > _LOOSE * p[i]:
             yield (
                 f"{name} = {p[i]:.3g} has a standard error of {errors[i]:.2g}: these measurements hardly "
-                f"determine it; fix it, {Values.of(name)}, or take a law without it"
+                f"determine it; fix it, {ParameterValues.of(name)}, or take a law without it"
             )
     for i, j in combinations(np.flatnonzero(errors).tolist(), 2):
         if abs(alike := covariance[i, j] / errors[i] / errors[j]) > _ALIKE:
             yield (
                 f"{names[i]} and {names[j]} are hardly distinguished, correlation {alike:.4f}; fix one: "
-                f"{Values.of(names[j])}"
+                f"{ParameterValues.of(names[j])}"
             )
     settled = len(names) + measured.differences
     count, dof, inflation = len(measured), len(measured) - settled, noise.inflation

@@ -13,7 +13,7 @@ from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.model.at_rest import reals
 from stickslip_sym.model.expression.units import parse_unit
-from stickslip_sym.model.fitting.features import PHASES, Feature, features_of
+from stickslip_sym.model.fitting.features import PHASES, SearchGrid, features_of
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
 
@@ -74,7 +74,7 @@ class Problem:
         self.linear = np.array([symbol in linear for symbol in free], dtype=bool)
         self._units = [used[name].unit for name in self.names]
         self._v, self._weights = np.maximum(measured.v, _AT_REST), measured.weights
-        self._mu = measured.beside_branches(self._weights * measured.mu)
+        self._mu = measured.project_out_branches(self._weights * measured.mu)
         self.sought = np.flatnonzero(~self.linear).tolist()
         self.features = features_of(law.expr, free, bound, self.sought, measured.speeds)
 
@@ -98,7 +98,7 @@ class Problem:
             rows = np.empty((len(values), *v.shape))
             for row, column in zip(rows, values, strict=True):
                 row[...] = self._weights * reals(column)
-            return self.measured.beside_branches(rows)
+            return self.measured.project_out_branches(rows)
 
     def minimum(self, start: FloatArray) -> Minimum | None:
         """Return the minimum that a start leads to, kinks and jumps in the best gap near; None without one."""
@@ -154,19 +154,19 @@ class Problem:
                     return self.minimum(moved)
         return Minimum(p, chi_squared)
 
-    def measured_at(self, feature: Feature, p: FloatArray) -> float:
+    def measured_at(self, feature: SearchGrid, p: FloatArray) -> float:
         """Return the place in m/s, or the radians, of a feature."""
         with np.errstate(all="ignore"):
             return float(feature.measure(*p, *self.known))
 
-    def levels_near(self, feature: Feature, p: FloatArray) -> FloatArray:
+    def levels_near(self, feature: SearchGrid, p: FloatArray) -> FloatArray:
         """Return the middles of the gaps between speeds that are next to a place."""
         speeds = self.measured.speeds[self.measured.speeds > 0]
         gap = int(np.searchsorted(speeds, self.measured_at(feature, p)))
         near = speeds[max(gap - _NEAR, 0) : gap + _NEAR]
         return (near[1:] + near[:-1]) / 2
 
-    def _moved(self, p: FloatArray, feature: Feature, levels: FloatArray) -> FloatArray:
+    def _moved(self, p: FloatArray, feature: SearchGrid, levels: FloatArray) -> FloatArray:
         """Return values with a feature at the best of some levels, all but the linear ones kept."""
         points = feature.grid(p, self.known, levels)
         if not len(points):

@@ -146,7 +146,7 @@ class Fit(_Report, DataResult):
         """Measured less fitted coefficients, and less what branches and directions differ by, of shape (n,)."""
         weights = self.measured.weights
         left = weights * (self.measured.mu - self.law.at_speeds(self.measured.v))
-        return np.asarray(self.measured.beside_branches(left) / weights)
+        return np.asarray(self.measured.project_out_branches(left) / weights)
 
     @cached_property
     def uncertain(self) -> dict[str, UFloat]:

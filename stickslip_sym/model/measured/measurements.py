@@ -242,7 +242,7 @@ class Measurements(Drawn, TableResult):
         """How many factors of differences between branches and directions the rows settle besides a law's."""
         return 0 if self.branches is None else self.branches.terms.shape[1]
 
-    def beside_branches(self, rows: FloatArray) -> FloatArray:
+    def project_out_branches(self, rows: FloatArray) -> FloatArray:
         """Return weighted values of rows, the last axis, without the part that branches and directions explain.
 
         Least squares of what is left are those with factors of these differences free.

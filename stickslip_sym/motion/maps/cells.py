@@ -35,7 +35,7 @@ from stickslip_sym.motion.regimes.classification import classify
 from stickslip_sym.motion.regimes.overtaking import reaches, rounds_outside
 from stickslip_sym.motion.regimes.regime import kept_regime
 from stickslip_sym.motion.slip import NondimensionalOscillator, RoundEnds
-from stickslip_sym.motion.thresholds.averages import slope_mean
+from stickslip_sym.motion.thresholds.averages import resolved_gauss_average
 
 LATE = "not reached: time limit, or Ctrl-C"
 CURVES = {
@@ -197,7 +197,7 @@ class _Decider:
         curves = dict.fromkeys(CURVES, np.full(zeta.size, math.nan))
         curves |= {"equilibrium": equilibrium * self.ratio, "exact": exact * self.ratio}
         with suppress(*NO_RESULT):
-            curves["least_squares"] = self.N * slope_mean(
+            curves["least_squares"] = self.N * resolved_gauss_average(
                 self.law.kinetic, least_squares, np.array([self.system.V])
             )
         cells.thresholds[:] = list(curves.values())

@@ -13,7 +13,7 @@ from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import BoolArray, FloatArray, ObjectArray
 from stickslip_sym.core.errors import NotConverged, OutOfTime
 from stickslip_sym.core.numbers import read_rtol
-from stickslip_sym.core.progress import counted_by
+from stickslip_sym.core.progress import report_counts_to
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.negative import note_at_rest
@@ -176,7 +176,7 @@ def motion_map(
     keys = [*reversed(OSCILLATOR), *(name for name in names if name in law.parameters)]
     order = np.lexsort([points[name] for name in keys])
     rows = [order[i : i + _CELLS] for i in range(0, order.size, _CELLS)]
-    with deadline.time_limit(time_limit), counted_by(progress):
+    with deadline.time_limit(time_limit), report_counts_to(progress):
         tasks = [{name: column[some] for name, column in points.items()} for some in rows]
         results = collect(partial(decide, bound, rtol), tasks, workers=workers, what="lines of cells")
     cells = Cells.unknown(order.size)

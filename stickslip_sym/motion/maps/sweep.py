@@ -19,7 +19,7 @@ import numpy as np
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import NO_RESULT, InputError
-from stickslip_sym.core.progress import counted_by, steps
+from stickslip_sym.core.progress import report_counts_to, steps
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
@@ -193,7 +193,7 @@ def basin_sweep(
 
     values = axis.values.tolist()
     with deadline.time_limit(time_limit):
-        with counted_by(progress), steps(values, f"{axis.name} = {{:.4g}}".format) as each:
+        with report_counts_to(progress), steps(values, f"{axis.name} = {{:.4g}}".format) as each:
             shares = [shares_by_area(at(value), *box) for value in each]
         folds, unresolved = _folds(at, values[0], values[-1], axis.name == "c")
         changes = [*_critical(at(values[0]).law, at(values[0]).oscillator, axis), *folds]

@@ -14,7 +14,7 @@ from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.names import suggestion
 from stickslip_sym.core.numbers import read_array, real
-from stickslip_sym.core.remedies import Values
+from stickslip_sym.core.remedies import ParameterValues
 from stickslip_sym.core.units import in_si
 from stickslip_sym.model.content import text_of_law
 from stickslip_sym.model.law import FrictionLaw
@@ -217,7 +217,7 @@ def read_plane(
     if law.missing:
         raise InputError(
             f"the law has no value for {', '.join(law.missing)}; make one an axis, or give it first: ",
-            Values.of(*law.missing),
+            ParameterValues.of(*law.missing),
         )
     return axes, law, values
 

@@ -39,7 +39,7 @@ from stickslip_sym.motion.kernel.data import TIGHT, SlipEnd
 from stickslip_sym.motion.orbits.damping import quick_speeds
 from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, STRONG, orbit_damping_ratio, velocity_mismatch_at
 from stickslip_sym.motion.slip import NondimensionalOscillator
-from stickslip_sym.motion.thresholds.averages import average, slope_mean
+from stickslip_sym.motion.thresholds.averages import fast_average, resolved_gauss_average
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, transit
 from stickslip_sym.motion.thresholds.methods import Method, MethodName, accuracy, evaluate, find_method, methods
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, of_oscillator
@@ -287,9 +287,9 @@ def excess(points: OperatingPoints, c: float, method: Method | None) -> float:
         if method is not None and method.criterion is not None:
             law, weighted = points.law, (method.criterion, points.V)
             mean = float(
-                slope_mean(law.kinetic, *weighted)[0]
+                resolved_gauss_average(law.kinetic, *weighted)[0]
             )  # none where a slope overflows, as with huge exponents
-            return float(points.N[0]) * (float(average(law, *weighted)[0]) if math.isnan(mean) else mean) - c
+            return float(points.N[0]) * (float(fast_average(law, *weighted)[0]) if math.isnan(mean) else mean) - c
         if method is not None and not method.converges:
             return float(evaluate(points, method, SIGNS)[0].value[0]) - c
         system = NondimensionalOscillator.of(points.bound, points.oscillator(0, c))
@@ -455,11 +455,11 @@ class _Search:
         try:
             points = self._alike(x)
             if self.criterion is not None:
-                value = points.N * slope_mean(points.law.kinetic, self.criterion, points.V)
+                value = points.N * resolved_gauss_average(points.law.kinetic, self.criterion, points.V)
                 lost = np.isnan(value)  # as where a slope overflows, with huge exponents
                 if lost.any():
                     some = points.rows(lost)
-                    value[lost] = some.N * average(some.law, self.criterion, some.V)
+                    value[lost] = some.N * fast_average(some.law, self.criterion, some.V)
                 return value, SAME * points.slope_scale
             if self.method is not None and not self.method.converges:
                 value = evaluate(points, self.method, SIGNS)[0].value
@@ -695,7 +695,7 @@ class _Search:
         law, N, V = self.law, self.quantities.get("N", 1.0), np.array([self.quantities.get("V", 1.0)])
         coefficients: Any
         if self.of == "N":
-            coefficients = [0.0, float(average(law, criterion, V)[0])]
+            coefficients = [0.0, float(fast_average(law, criterion, V)[0])]
         elif self.of == "V" and law.expr.is_polynomial(symbols.v):
             # mu = sum of g_n v^n gives c = -N sum of n g_n <(1 + s)^(n-1)> V^(n-1).
             terms = sp.Poly(sp.diff(law.expr, symbols.v), symbols.v).all_coeffs()[::-1]
@@ -705,7 +705,7 @@ class _Search:
         elif self.of in law.parameters and law.expr.is_polynomial(symbol := law.parameters[self.of].symbol):
             degree = max(0, sp.degree(law.slope_expr, symbol))  # that of 0 is minus infinity
             places = np.linspace(0.0, self._usual or 1.0, int(degree) + 1)
-            means = [N * average(law.bind(**{self.of: x}), criterion, V)[0] for x in places.tolist()]
+            means = [N * fast_average(law.bind(**{self.of: x}), criterion, V)[0] for x in places.tolist()]
             coefficients = np.linalg.solve(np.vander(places, increasing=True), means)
         else:
             return None

@@ -43,7 +43,7 @@ def _fast_function(shape: _Shape, criterion: Criterion) -> "SlopeAverage":
     return slope_average(shape.law.with_static(None), criterion)  # no slope average sees it, nor its parameters
 
 
-def average(law: FrictionLaw, criterion: Criterion, V: FloatArray) -> FloatArray:
+def fast_average(law: FrictionLaw, criterion: Criterion, V: FloatArray) -> FloatArray:
     """Return a criterion's average of -mu', in s/m, at belt speeds; no closed form is derived for it."""
     compiled = _fast_function(_Shape(law.expr, law), criterion)
     values: dict[str, Any] = {
@@ -52,7 +52,7 @@ def average(law: FrictionLaw, criterion: Criterion, V: FloatArray) -> FloatArray
     return np.atleast_1d(compiled(V=V, N=np.ones_like(V), **values))
 
 
-def slope_mean(
+def resolved_gauss_average(
     law: BoundLaw,
     criterion: Criterion,
     V: FloatArray,
@@ -85,12 +85,12 @@ def average_changes(criterion: Criterion, points: OperatingPoints) -> dict[str, 
         partial, table = law.partial(name).kinetic, law.kinetic.table
         smooth = not (table.kinks or table.narrow.size)
         own = None if smooth else partial.table_up_to(2 * float(V.max()))
-        by_slopes = slope_mean(partial, criterion, V, own, table if smooth else None)
+        by_slopes = resolved_gauss_average(partial, criterion, V, own, table if smooth else None)
         return N * (by_slopes + _of_jumps(law, criterion, V, name))
 
     return (
         {name: np.zeros_like(V) for name in points.columns}
-        | {"V": changed("V") / V, "N": slope_mean(law.kinetic, criterion, V)}
+        | {"V": changed("V") / V, "N": resolved_gauss_average(law.kinetic, criterion, V)}
         | {name: changed(name) for name in law.parameters}
     )
 

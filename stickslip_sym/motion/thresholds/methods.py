@@ -26,7 +26,7 @@ from stickslip_sym.motion.kernel.data import TIGHT
 from stickslip_sym.motion.orbits.expansion import damping_of_layer, expand, expansion_changes
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.orbits.orbit import orbits
-from stickslip_sym.motion.thresholds.averages import average, average_changes
+from stickslip_sym.motion.thresholds.averages import average_changes, fast_average
 from stickslip_sym.motion.thresholds.grazing import grazing_damping, grazing_sensitivity
 from stickslip_sym.motion.thresholds.operating_points import VANISHING, OperatingPoints
 
@@ -311,7 +311,7 @@ def _of_criterion(criterion: Criterion) -> Method:
 def _by_average(criterion: Criterion, points: OperatingPoints, rtol: float) -> Computed:
     del rtol  # the value of an average is what it is
     error = np.full(len(points), ROUNDING if is_straight(points.law) else np.inf)
-    return Computed(points.N * average(points.law, criterion, points.V), error)
+    return Computed(points.N * fast_average(points.law, criterion, points.V), error)
 
 
 def is_straight(law: FrictionLaw) -> bool:

@@ -84,7 +84,7 @@ def test_single_sweeps_repeats_and_random_orders_stay_as_they_are(seed):
         measured = Measurements.of(v, mean(v) + 0.01 * rng.normal(size=len(v)))
         assert measured.branches is None
         assert measured.understood == f"{len(v)} rows"
-        assert measured.beside_branches(measured.mu) is measured.mu
+        assert measured.project_out_branches(measured.mu) is measured.mu
 
 
 def test_branches_that_are_alike_are_named_and_take_no_part_in_a_fit():

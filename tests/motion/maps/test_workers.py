@@ -12,7 +12,7 @@ import pytest
 
 import stickslip_sym as ss
 from stickslip_sym.core import deadline
-from stickslip_sym.core.progress import heard_by
+from stickslip_sym.core.progress import report_steps_to
 from stickslip_sym.motion import workers
 from stickslip_sym.motion.maps import motions
 from stickslip_sym.motion.maps.cells import LATE
@@ -123,7 +123,7 @@ def press(done, total):
 
 
 def test_control_c_prints_what_is_done(run, monkeypatch, tmp_path):
-    heard = heard_by(lambda step: press(step.done, step.total))
+    heard = report_steps_to(lambda step: press(step.done, step.total))
     monkeypatch.setattr("stickslip_sym.cli.map.under_way", lambda _: heard)
     code, out, err = run("map", "exponential", "--x", "V=0.2:0.8:7", "--y", "c=0.5:6:12", "--csv", "part.csv")
     assert (code, err.strip()) == (130, "interrupted")
