@@ -14,7 +14,7 @@ from stickslip_sym import laws
 from stickslip_sym.core.symbols import QUANTITIES, N, V, c, mu, s, u
 from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.proof.theorems import ChangeOfVariable
-from stickslip_sym.model.expression.units import parse_unit, with_units
+from stickslip_sym.model.expression.dimensions import parse_unit, with_units
 
 
 def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:

@@ -22,10 +22,10 @@ from .formula.export import export_code as export_code
 from .formula.export import export_latex as export_latex
 from .formula.slope_average import slope_average as slope_average
 from .model.expression.parameters import Parameter as Parameter
-from .model.files import load as load
-from .model.files import save as save
 from .model.fitting.fit import fit as fit
 from .model.law import FrictionLaw as FrictionLaw
+from .model.law_files import load as load
+from .model.law_files import save as save
 from .model.laws import laws as laws
 from .model.measured.measurements import read_measurements as read_measurements
 from .model.oscillator import Oscillator as Oscillator

@@ -4,9 +4,9 @@ from typing import Any
 
 import stickslip_sym as ss
 from stickslip_sym.cli import options
+from stickslip_sym.cli.arguments import point
 from stickslip_sym.cli.options import Given, option
 from stickslip_sym.cli.output import echo_found, under_way
-from stickslip_sym.cli.reading import point
 from stickslip_sym.core.errors import InputError
 
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import stickslip_sym as ss
 from stickslip_sym.cli import options
+from stickslip_sym.cli.arguments import points
 from stickslip_sym.cli.options import Given, file_option, option
 from stickslip_sym.cli.output import Json, echo_all, under_way
-from stickslip_sym.cli.reading import points
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.files import write_text
 

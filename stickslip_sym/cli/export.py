@@ -10,10 +10,10 @@ import click
 
 import stickslip_sym as ss
 from stickslip_sym.cli import options
+from stickslip_sym.cli.arguments import criteria_of, law_described
 from stickslip_sym.cli.derive import SECONDS, derived
 from stickslip_sym.cli.options import Given, file_option, option, pairs
 from stickslip_sym.cli.output import echo_json
-from stickslip_sym.cli.reading import criteria_of, law_described
 from stickslip_sym.core.errors import InputError, NoClosedForm
 from stickslip_sym.core.names import suggestion
 from stickslip_sym.formula.code.languages import LANGUAGES
@@ -41,8 +41,8 @@ def run(given: Given) -> None:
     Example: stickslip export exponential polynomial --criterion all --latex criteria.tex --symbol V=v_b
     """
     from stickslip_sym.certificates.closed_forms import certificate_of_forms
-    from stickslip_sym.certificates.coq.writer import coq_script_of_one
-    from stickslip_sym.model.files import text_of
+    from stickslip_sym.certificates.coq.coq_script import coq_script_of_one
+    from stickslip_sym.model.law_files import text_of
     from stickslip_sym.output import files
 
     targets: dict[str, Path] = {kind: given[kind] for kind in _KINDS if given[kind] is not None}

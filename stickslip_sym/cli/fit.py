@@ -10,9 +10,9 @@ import click
 
 import stickslip_sym as ss
 from stickslip_sym.cli import options
+from stickslip_sym.cli.arguments import law_described, reading_of
 from stickslip_sym.cli.options import LAW_NAMES, Given, option, pairs
 from stickslip_sym.cli.output import echo_all, under_way
-from stickslip_sym.cli.reading import law_described, reading_of
 from stickslip_sym.core.errors import InputError
 
 if TYPE_CHECKING:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import click
 
 import stickslip_sym as ss
+from stickslip_sym.cli.arguments import criteria_of
 from stickslip_sym.cli.derive import derived
 from stickslip_sym.cli.options import LAW_NAMES, Given, command, plot_option
 from stickslip_sym.cli.output import echo_json, say
-from stickslip_sym.cli.reading import criteria_of
 from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.model.operating_point import PAPER
 from stickslip_sym.output.tables import table

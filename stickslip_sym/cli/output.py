@@ -20,12 +20,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip_sym.core.progress import Step, report_every_step_to
+from stickslip_sym.core.progress import StepOfWork, report_every_step_to
 from stickslip_sym.core.version import __version__
 
 if TYPE_CHECKING:
+    from stickslip_sym.cli.arguments import Point
     from stickslip_sym.cli.options import Given
-    from stickslip_sym.cli.reading import Point
 
 Json = dict[str, Any]
 """What stands for an object of JSON."""
@@ -51,8 +51,8 @@ def under_way(what: str) -> Iterator[None]:
     with Progress(*columns, console=console, transient=True) as shown:
         task = shown.add_task(what, total=None)
 
-        def show(path: tuple[Step, ...]) -> None:
-            outermost = next((step for step in path if step.total > 1), Step("", 0, 0))
+        def show(path: tuple[StepOfWork, ...]) -> None:
+            outermost = next((step for step in path if step.total > 1), StepOfWork("", 0, 0))
             description = ": ".join([what, *map(_in_words, path)])
             shown.update(task, description=description, completed=outermost.done, total=outermost.total or None)
 
@@ -60,7 +60,7 @@ def under_way(what: str) -> Iterator[None]:
             yield
 
 
-def _in_words(step: Step) -> str:
+def _in_words(step: StepOfWork) -> str:
     words = step.what if len(step.what) <= _LONGEST else f"{step.what[:_LONGEST]}..."
     return f"{words} ({step.done} of {step.total})" if step.total > 1 else words
 

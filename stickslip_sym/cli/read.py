@@ -8,9 +8,9 @@ import click
 
 import stickslip_sym as ss
 from stickslip_sym.cli import options
+from stickslip_sym.cli.arguments import reading_of
 from stickslip_sym.cli.options import Given
 from stickslip_sym.cli.output import echo_all
-from stickslip_sym.cli.reading import reading_of
 from stickslip_sym.output import files
 
 

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 
 import stickslip_sym as ss
 from stickslip_sym.cli import options
+from stickslip_sym.cli.arguments import point
 from stickslip_sym.cli.options import Given, option, read_number
 from stickslip_sym.cli.output import echo_found, under_way
-from stickslip_sym.cli.reading import point
 from stickslip_sym.output.tables import table
 
 if TYPE_CHECKING:

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import stickslip_sym as ss
 from stickslip_sym.cli import options
+from stickslip_sym.cli.arguments import points, reading_of
 from stickslip_sym.cli.fit import fitted, laws_to_fit
 from stickslip_sym.cli.options import Given, option
 from stickslip_sym.cli.output import echo_all, under_way
-from stickslip_sym.cli.reading import points, reading_of
 from stickslip_sym.core.errors import InputError
 
 _PAGE, _PAGES = "study.html", (".html", ".htm", ".xhtml")

@@ -23,7 +23,7 @@ from stickslip_sym.core.deadline import require_seconds
 from stickslip_sym.core.deadline import time_limit as limited
 from stickslip_sym.core.errors import InputWarning, StickSlipError
 from stickslip_sym.core.numbers import require_type
-from stickslip_sym.core.progress import Step, report_steps_to, steps
+from stickslip_sym.core.progress import StepOfWork, report_steps_to, steps
 from stickslip_sym.core.symbols import QUANTITIES
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.criteria.criterion import catalogue
@@ -486,7 +486,7 @@ def study(
     )
 
 
-def _named_to(progress: Callable[[str], None]) -> Callable[[Step], None]:
+def _named_to(progress: Callable[[str], None]) -> Callable[[StepOfWork], None]:
     """Return what hears of parts, and passes on the name of each that begins."""
     return lambda step: progress(step.what) if step.done < step.total else None
 

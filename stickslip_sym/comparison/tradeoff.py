@@ -31,7 +31,7 @@ from stickslip_sym.core.remedies import Call, ParameterValues
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion, CriterionName, find
 from stickslip_sym.formula.closed_form import ClosedForm, derive
-from stickslip_sym.formula.evaluation.values import slope_of
+from stickslip_sym.formula.evaluation.reference_average import slope_of
 from stickslip_sym.model.expression.pieces import jumps
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law

@@ -14,7 +14,7 @@ from stickslip_sym.core.remedies import Name
 T = TypeVar("T")
 
 
-class Step(NamedTuple):
+class StepOfWork(NamedTuple):
     """What is under way, and how many steps like it are done, of how many; 0 where that is not known."""
 
     what: str
@@ -22,10 +22,10 @@ class Step(NamedTuple):
     total: int
 
 
-Listener = Callable[[tuple[Step, ...]], object]
+Listener = Callable[[tuple[StepOfWork, ...]], object]
 """What is called with the step that begins, after those that it is part of."""
 _listener: ContextVar[Listener | None] = ContextVar("who listens", default=None)
-_path: ContextVar[tuple[Step, ...]] = ContextVar("steps under way, from the outermost on", default=())
+_path: ContextVar[tuple[StepOfWork, ...]] = ContextVar("steps under way, from the outermost on", default=())
 
 
 @contextmanager
@@ -34,7 +34,7 @@ def stages() -> Iterator[Callable[[str, int, int], None]]:
     outer = _path.get()
 
     def say(what: str, done: int, total: int) -> None:
-        path = (*outer, Step(what, done, total))
+        path = (*outer, StepOfWork(what, done, total))
         _path.set(path)
         if (listener := _listener.get()) is not None:
             listener(path)
@@ -70,7 +70,7 @@ def report_every_step_to(listener: Listener) -> Iterator[None]:
     """Let a function hear of every step in a block, besides whoever does already."""
     before = _listener.get()
 
-    def both(path: tuple[Step, ...]) -> None:
+    def both(path: tuple[StepOfWork, ...]) -> None:
         if before is not None:
             before(path)
         listener(path)
@@ -83,7 +83,7 @@ def report_every_step_to(listener: Listener) -> Iterator[None]:
 
 
 @contextmanager
-def report_steps_to(hear: Callable[[Step], object] | None) -> Iterator[None]:
+def report_steps_to(hear: Callable[[StepOfWork], object] | None) -> Iterator[None]:
     """Let a function, if there is one, hear of the steps of a block, without those within them."""
     if hear is None:
         yield

@@ -15,7 +15,7 @@ from stickslip_sym.core.deadline import time_limit as limit
 from stickslip_sym.core.errors import InputError, NoClosedForm, NotConverged, OutOfTime
 from stickslip_sym.core.names import suggestion
 from stickslip_sym.core.numbers import Number, exact, require_type
-from stickslip_sym.core.progress import Step, report_every_step_to, stages
+from stickslip_sym.core.progress import StepOfWork, report_every_step_to, stages
 from stickslip_sym.core.remedies import Argument, Call
 from stickslip_sym.core.special import NumberPower
 from stickslip_sym.core.status import Status
@@ -444,7 +444,7 @@ class ClosedForm(SlopeAverage):
         Print Assumptions criterion.
         """
         if language == "coq":
-            from stickslip_sym.certificates.coq.writer import coq_script
+            from stickslip_sym.certificates.coq.coq_script import coq_script
 
             return coq_script(self)
         if language != "sympy":
@@ -517,7 +517,7 @@ def derive(
     criterion = find(criterion)
     stage = "reading the law"
 
-    def hear(path: tuple[Step, ...]) -> None:
+    def hear(path: tuple[StepOfWork, ...]) -> None:
         nonlocal stage
         stage = path[-1].what
         if progress is not None:

@@ -23,9 +23,9 @@ from stickslip_sym.core.remedies import Argument, Call
 from stickslip_sym.criteria.criterion import Criterion, CriterionName, find
 from stickslip_sym.criteria.enclosure import enclose
 from stickslip_sym.formula.code import writer
+from stickslip_sym.formula.evaluation.reference_average import MeanSlope
 from stickslip_sym.formula.evaluation.term_function import CANCELLED, TermFunction, count_of
 from stickslip_sym.formula.evaluation.term_sum import TermSum
-from stickslip_sym.formula.evaluation.values import MeanSlope
 from stickslip_sym.formula.exact import exact_value
 from stickslip_sym.model.expression.pieces import with_means
 from stickslip_sym.model.law import FrictionLaw

@@ -21,13 +21,13 @@ from stickslip_sym.core.units import in_si
 from stickslip_sym.model import at_rest
 from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.described import DescribedLaw
+from stickslip_sym.model.expression.dimensions import check_units
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.pieces import rate
 from stickslip_sym.model.expression.reading import as_text, read_formula
 from stickslip_sym.model.expression.slope import slope_of
-from stickslip_sym.model.expression.units import check_units
 from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
-from stickslip_sym.model.measured.making import MadeOfMeasurements
+from stickslip_sym.model.measured.from_measurements import MadeOfMeasurements
 from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.model.terms import Term, terms_of
 from stickslip_sym.output.data import DataResult

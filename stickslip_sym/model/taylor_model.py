@@ -233,7 +233,7 @@ class Expandable(Protocol):
 S = TypeVar("S", bound=Expandable)
 
 
-class Expansion(Generic[S]):
+class ExpansionAlgebra(Generic[S]):
     """The algebra by which a formula is expanded from what v is, with so many coefficients of each function."""
 
     def __init__(self, point: Mapping[Expr, Expr], v: S, count: int) -> None:
@@ -373,7 +373,7 @@ def _with_pole(expr: Expr, point: Mapping[Expr, Expr], bits: int) -> TaylorModel
         radius = (arb(_lowest_scale(expr, point)) / 2**halvings).root(unit)
         try:
             v = TaylorModel(unit, arb_poly([1]), unit + count, arb(0), arb(radius.mid()), unit)
-            return fold(expr, Expansion(point, v, count))
+            return fold(expr, ExpansionAlgebra(point, v, count))
         except (NotAnalytic, InputError, ValueError, ZeroDivisionError, OverflowError):
             continue
     return None

@@ -16,7 +16,9 @@ from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.model.table import FARTHEST, FrictionTable, Rise
 from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
-from stickslip_sym.motion.kernel.data import (
+from stickslip_sym.motion.kernel.follow import follow
+from stickslip_sym.motion.kernel.forces import entered, rate_at
+from stickslip_sym.motion.kernel.slip_data import (
     ADDED,
     MOST_STEPS,
     TIGHT,
@@ -29,8 +31,6 @@ from stickslip_sym.motion.kernel.data import (
     Wedge,
     no_wedge,
 )
-from stickslip_sym.motion.kernel.follow import follow
-from stickslip_sym.motion.kernel.forces import entered, rate_at
 from stickslip_sym.motion.kernel.steps import stepped
 from stickslip_sym.motion.workers import collect
 from stickslip_sym.numerics.known import Column, Unknown

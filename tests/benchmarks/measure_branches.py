@@ -1,4 +1,5 @@
-"""What each constant of `formula.evaluation.making` is worth, for laws of the catalogue and laws with kinks.
+"""What each constant of `formula.evaluation.branch_builder` is worth, for laws of the catalogue and laws with
+kinks.
 
 Run ``python tests/benchmarks/measure_branches.py [CONSTANT ...]``; all of them take about five minutes.
 
@@ -19,9 +20,9 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 import stickslip_sym as ss
 from stickslip_sym.core.precision import refined, working_precision
 from stickslip_sym.criteria.enclosure import average_enclosure
-from stickslip_sym.formula.evaluation import making
-from stickslip_sym.formula.evaluation.branches import Table
-from stickslip_sym.formula.evaluation.values import BITS, SMALLEST, MeanSlope
+from stickslip_sym.formula.evaluation import branch_builder
+from stickslip_sym.formula.evaluation.branches import PanelTable
+from stickslip_sym.formula.evaluation.reference_average import BITS, SMALLEST, MeanSlope
 from stickslip_sym.numerics.known import Unknown
 
 OTHERS = {
@@ -52,7 +53,7 @@ class Case:
 
     def __init__(self, term, shapes):
         average = term.average
-        closed = None if average.profile.has(making.sp.Piecewise) else average.closed
+        closed = None if average.profile.has(branch_builder.sp.Piecewise) else average.closed
         self.arguments = average.profile, average.criterion, closed, tuple(term.exact_shapes(shapes).items())
         point = dict(self.arguments[-1])
         with np.errstate(all="ignore"):
@@ -97,14 +98,14 @@ def measured(all_cases):
     making_time = calling_time = worst = 0.0
     without = panels = 0
     for case in all_cases:
-        making.branches_of.cache_clear()
+        branch_builder.branches_of.cache_clear()
         start = time.process_time()
-        branches = making.branches_of(*case.arguments)
+        branches = branch_builder.branches_of(*case.arguments)
         making_time += time.process_time() - start
         if isinstance(branches, Unknown):
             without += 1
             continue
-        panels += sum(len(branch.rows) for branch in branches.branches if isinstance(branch, Table))
+        panels += sum(len(branch.rows) for branch in branches.branches if isinstance(branch, PanelTable))
         with np.errstate(all="ignore"):
             branches(MANY[:1000])
             start = time.process_time()
@@ -129,11 +130,11 @@ def main(names):
 
     row("as they are", "")
     for name in names:
-        usual = getattr(making, name)
+        usual = getattr(branch_builder, name)
         for value in OTHERS[name]:
-            setattr(making, name, value)
+            setattr(branch_builder, name, value)
             row(name, value)
-        setattr(making, name, usual)
+        setattr(branch_builder, name, usual)
     row("as they are", "")
 
 

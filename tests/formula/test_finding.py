@@ -13,7 +13,7 @@ from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.special import Langevin
 from stickslip_sym.formula.average import average_of_profile
 from stickslip_sym.formula.finding.antiderivatives import antiderivative
-from stickslip_sym.formula.finding.averages import harmonic_average
+from stickslip_sym.formula.finding.harmonic_rules import harmonic_average
 from stickslip_sym.formula.proof import recurrence
 from stickslip_sym.formula.proof.recurrence import AverageSeries, prove_average
 

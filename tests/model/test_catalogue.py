@@ -9,7 +9,7 @@ from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
-from stickslip_sym.model.expression.units import parse_unit, with_units
+from stickslip_sym.model.expression.dimensions import parse_unit, with_units
 
 SPEEDS = np.array([1e-3, 0.03, 0.2, 0.5, 1.0, 3.0])
 

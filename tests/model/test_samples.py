@@ -148,7 +148,7 @@ def test_files_that_cannot_be_read_are_refused(tmp_path):
 
 
 def test_too_many_rows_are_refused_before_they_are_read(tmp_path, monkeypatch):
-    monkeypatch.setattr("stickslip_sym.model.measured.table.MOST_ROWS", 1000)
+    monkeypatch.setattr("stickslip_sym.model.measured.text_table.MOST_ROWS", 1000)
     path = tmp_path / "points.csv"
     path.write_text("v,mu\n" + "1,no number\n" * 1001)
     with pytest.raises(ss.InputError, match="has over 1000 rows; average them to fewer"):

@@ -18,8 +18,8 @@ from stickslip_sym.core import balls, symbols
 from stickslip_sym.model.expression.pieces import branch_from
 from stickslip_sym.model.expression.transitions import transitions
 from stickslip_sym.model.table import FARTHEST
-from stickslip_sym.motion.kernel.data import Branch
 from stickslip_sym.motion.kernel.forces import slope_at
+from stickslip_sym.motion.kernel.slip_data import Branch
 
 SLOWEST, FASTEST = 1e-9, 1e6  # belt speeds in m/s
 OFF = 1e-13  # of the rise

@@ -10,7 +10,7 @@ from motions import points
 from strategies import laws, operating_points
 
 import stickslip_sym as ss
-from stickslip_sym.motion.kernel.data import SlipEnd
+from stickslip_sym.motion.kernel.slip_data import SlipEnd
 from stickslip_sym.motion.orbits.needed import search_damping_ratios
 from stickslip_sym.motion.slip import NondimensionalOscillator
 

@@ -3,7 +3,7 @@
 import sympy as sp
 
 from stickslip_sym.certificates.coq.printer import Unsupported
-from stickslip_sym.certificates.coq.script import Script
+from stickslip_sym.certificates.coq.tactics import Script
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.remedies import Call

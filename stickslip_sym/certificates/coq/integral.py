@@ -12,7 +12,7 @@ from itertools import pairwise
 import sympy as sp
 
 from stickslip_sym.certificates.coq.printer import CoqPrinter, Unsupported
-from stickslip_sym.certificates.coq.script import ROOT_OF_PRODUCT, Script, solved, unfolded
+from stickslip_sym.certificates.coq.tactics import ROOT_OF_PRODUCT, Script, solved, unfolded
 from stickslip_sym.certificates.coq.words import (
     Generators,
     bounds_of,
@@ -59,7 +59,7 @@ class Profile:
 
 
 @dataclass(frozen=True)
-class Row:
+class LawTerm:
     """A term of the law: a profile with its amplitude, its scale, and what its shapes are."""
 
     label: int
@@ -83,7 +83,7 @@ class Integral(Script):
 
     # -- the terms -----------------------------------------------------------------------------------
 
-    def _rows(self) -> Iterator[Row]:
+    def _rows(self) -> Iterator[LawTerm]:
         averages, number = dict(self.form.averages), 0
         profiles = dict[Average | None, list[Profile]]()
         for term in self.form.terms:
@@ -102,9 +102,9 @@ class Integral(Script):
         for label, step in enumerate(average.steps, count + 1):
             yield self._profile(label, average, step)
 
-    def _row(self, number: int, profile: Profile, term: Term) -> Row:
+    def _row(self, number: int, profile: Profile, term: Term) -> LawTerm:
         shapes = {shape: self.words(value, self.v) for shape, value in term.shapes.items()}
-        return Row(
+        return LawTerm(
             number, term, profile, self.words(term.amplitude, self.v), self.words(term.scale, self.v), shapes
         )
 
@@ -151,12 +151,12 @@ class Integral(Script):
 
     # -- texts of terms ------------------------------------------------------------------------------
 
-    def _function(self, row: Row) -> str:
+    def _function(self, row: LawTerm) -> str:
         """Return the profile of a term as a function of speeds in units of its scale."""
         shapes = [self.whole(value) for shape, value in row.shapes.items() if row.profile.expr.has(shape)]
         return " ".join([f"g{row.profile.label}", *shapes])
 
-    def _value(self, row: Row) -> str:
+    def _value(self, row: LawTerm) -> str:
         """Return the integral of the profile of a term."""
         value = row.profile.generators.of(row.profile.value)
         given = [(self.r, f"(V / {self.whole(row.scale)})")]
@@ -164,7 +164,7 @@ class Integral(Script):
         texts = [text for letter, text in given if value.has(letter)]
         return f"{' '.join([f'I{row.profile.label}', *texts])} / {self.whole(row.scale)}"
 
-    def _at(self, row: Row) -> str:
+    def _at(self, row: LawTerm) -> str:
         return f"{self._function(row)} (v / {self.whole(row.scale)})"
 
     # -- one profile ---------------------------------------------------------------------------------
@@ -308,14 +308,14 @@ class Integral(Script):
         exprs = map(of, (profile.value, *profile.primitives, *profile.pieces))
         return denominators(*exprs, without=(self.u, self.r))
 
-    def _value_of(self, row: Row) -> Expr:
+    def _value_of(self, row: LawTerm) -> Expr:
         return without_squares(row.profile.value.xreplace({**row.shapes, self.r: V / row.scale}))
 
     def _letters(self) -> list[Expr]:
         """Return the amplitudes, scales and shapes of the terms."""
         return [expr for row in self.rows for expr in (row.amplitude, row.scale, *row.shapes.values())]
 
-    def _term(self, row: Row) -> str:
+    def _term(self, row: LawTerm) -> str:
         return self.part(
             "term",
             label=row.label,
@@ -355,7 +355,7 @@ class Integral(Script):
         start = f"unfold c, {integrals}{', mu' * bool(boundary)}{unfolded(c, *total)}. "
         return start + self.equation(written, c, *total, *self._letters(), moves=self._bounds(c, self.rows))
 
-    def _rows_of(self, term: Term) -> list[Row]:
+    def _rows_of(self, term: Term) -> list[LawTerm]:
         return [row for row in self.rows if row.term is term]
 
     def _share(self, term: Term, share: Expr) -> str:
@@ -383,7 +383,7 @@ class Integral(Script):
         start = f"unfold {', '.join(constants)}. " if constants else ""
         return f"{start}refine (eq_trans {joined} _). field; positive."
 
-    def _bounds(self, c: Expr, terms: Sequence[Row]) -> Iterator[str]:
+    def _bounds(self, c: Expr, terms: Sequence[LawTerm]) -> Iterator[str]:
         """Yield tactics that write the ends of pieces in c, and in its terms, by the smaller of 2 V."""
         rows = [(row, node) for row in terms for node in row.profile.value.atoms(sp.Min)]
         bounds = [(self.code(node), node) for node in c.atoms(sp.Min)]

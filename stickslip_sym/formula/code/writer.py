@@ -23,12 +23,12 @@ from stickslip_sym.core.remedies import Call, ParameterValues
 from stickslip_sym.core.special import NumberPower
 from stickslip_sym.core.status import Status
 from stickslip_sym.formula.code.languages import LANGUAGES, Language
-from stickslip_sym.formula.evaluation.branches import Branch, Table
-from stickslip_sym.formula.evaluation.making import compared
+from stickslip_sym.formula.evaluation.branch_builder import compared
+from stickslip_sym.formula.evaluation.branches import Branch, PanelTable
 from stickslip_sym.formula.evaluation.term_function import TermFunction
 from stickslip_sym.formula.evaluation.term_sum import TermSum
 from stickslip_sym.formula.proof.proving import Verdict
-from stickslip_sym.model.expression.normal_form import normal_form
+from stickslip_sym.model.expression.canonical_form import canonical_form
 from stickslip_sym.model.expression.pieces import drop_unreachable_kinks
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.terms import terms_of
@@ -81,7 +81,7 @@ def _settled(average: TermSum) -> tuple[list[TermFunction], set[Expr]]:
     if not meeting:
         return average.functions, set()
     expr = drop_unreachable_kinks(law.expr, values).xreplace({symbol: values[symbol] for symbol in meeting})
-    return replace(average, terms=terms_of(normal_form(expr))).functions, meeting
+    return replace(average, terms=terms_of(canonical_form(expr))).functions, meeting
 
 
 # -- expressions and numbers -------------------------------------------------------------------------
@@ -280,7 +280,7 @@ class _Writer:
     def _case(self, name: str, start: float, end: float, branch: Branch) -> str:
         """Return the statements that compute g and the power between two ratios; write the table, if it is one."""
         language = self.language
-        if isinstance(branch, Table):
+        if isinstance(branch, PanelTable):
             rows = language.next_row.join(self._numbers(row) for row in branch.rows)
             self.parts.append(self._filled("table", name=name, rows=rows))
             panels, width = branch.rows.shape

@@ -81,7 +81,7 @@ class Sum:
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class PanelTable:
     """G as polynomials in panels.
 
     A row is a panel: its left end, the origin o, the centre and the inverse of half the width in y, then the
@@ -139,7 +139,7 @@ class Table:
         return total
 
 
-Branch = Sum | Table
+Branch = Sum | PanelTable
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,9 +19,9 @@ from stickslip_sym.core.numbers import binary_fraction
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.average import average_of_profile
+from stickslip_sym.formula.evaluation.branch_builder import branches_of
 from stickslip_sym.formula.evaluation.branches import Branches, alike
-from stickslip_sym.formula.evaluation.making import branches_of
-from stickslip_sym.formula.evaluation.values import BITS, reach_of
+from stickslip_sym.formula.evaluation.reference_average import BITS, reach_of
 from stickslip_sym.model.terms import Term
 from stickslip_sym.numerics.known import Unknown
 

@@ -16,7 +16,7 @@ from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.finding import search
 from stickslip_sym.formula.finding.antiderivatives import antiderivative
-from stickslip_sym.formula.finding.averages import average_of_pieces, harmonic_average
+from stickslip_sym.formula.finding.harmonic_rules import average_of_pieces, harmonic_average
 from stickslip_sym.formula.finding.search import NothingFound
 from stickslip_sym.formula.proof.normal_form import is_integral_of_binomial
 from stickslip_sym.formula.proof.recurrence import AverageSeries, definition

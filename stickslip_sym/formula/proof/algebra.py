@@ -268,14 +268,14 @@ class Algebra:
 
 
 @dataclass(frozen=True)
-class Series:
+class LaurentSeries:
     """x^order (c_0 + c_1 x + ...), known as far as the coefficients go; c_0 is not 0, or there are none."""
 
     order: int
     coefficients: list[Element]
 
     @classmethod
-    def of(cls, order: int, coefficients: Iterable[Element]) -> "Series":
+    def of(cls, order: int, coefficients: Iterable[Element]) -> "LaurentSeries":
         """Return a series without its leading zeros."""
         elements = list(coefficients)
         zeros = next((i for i, c in enumerate(elements) if c), len(elements))
@@ -290,36 +290,36 @@ class Series:
         """Return the coefficient of a power below `known`, None where the series has not begun."""
         return self.coefficients[power - self.order] if power >= self.order else None
 
-    def __add__(self, other: "Series") -> "Series":
+    def __add__(self, other: "LaurentSeries") -> "LaurentSeries":
         powers = range(min(self.order, other.order), min(self.known, other.known))
         pairs = ([c for c in (self.coefficient(n), other.coefficient(n)) if c is not None] for n in powers)
-        return Series.of(powers.start, [reduce(add, pair) for pair in pairs])
+        return LaurentSeries.of(powers.start, [reduce(add, pair) for pair in pairs])
 
-    def __mul__(self, other: "Series") -> "Series":
+    def __mul__(self, other: "LaurentSeries") -> "LaurentSeries":
         count = min(len(self.coefficients), len(other.coefficients))
         left, right = self.coefficients, other.coefficients
         values = [reduce(add, [left[i] * right[n - i] for i in range(n + 1)]) for n in range(count)]
-        return Series.of(self.order + other.order, values)
+        return LaurentSeries.of(self.order + other.order, values)
 
 
-class Expansion:
+class SeriesExpansion:
     """Expressions in `x` as series with `terms` terms, coefficients in the constants of an algebra."""
 
     def __init__(self, algebra: Algebra, x: Expr, terms: int) -> None:
         self.algebra, self.x, self.terms = algebra, x, terms
-        self._seen: dict[Expr, Series] = {}
+        self._seen: dict[Expr, LaurentSeries] = {}
 
-    def of(self, expr: Expr) -> Series:
+    def of(self, expr: Expr) -> LaurentSeries:
         """Return the series; raise ValueError where there is none at 0."""
         if expr not in self._seen:
             self._seen[expr] = self._made(expr)
         return self._seen[expr]
 
-    def _made(self, expr: Expr) -> Series:
+    def _made(self, expr: Expr) -> LaurentSeries:
         if not expr.has(self.x):
             return self._constant(expr)
         if expr == self.x:
-            return Series(1, self._constant(sp.S.One).coefficients)
+            return LaurentSeries(1, self._constant(sp.S.One).coefficients)
         if expr.is_Add or expr.is_Mul:
             return reduce(add if expr.is_Add else mul, map(self.of, expr.args))
         if isinstance(expr, sp.exp | sp.sin | sp.cos) and expr.args[0].is_Add:
@@ -336,10 +336,10 @@ class Expansion:
             return self.of(known.hypergeometric(*expr.args))
         return self._integrated(expr)
 
-    def _constant(self, value: Expr) -> Series:
-        return Series(0, [self.algebra.of(value), *[self.algebra.of(sp.S.Zero)] * (self.terms - 1)])
+    def _constant(self, value: Expr) -> LaurentSeries:
+        return LaurentSeries(0, [self.algebra.of(value), *[self.algebra.of(sp.S.Zero)] * (self.terms - 1)])
 
-    def _power(self, base: Series, exponent: Expr) -> Series:
+    def _power(self, base: LaurentSeries, exponent: Expr) -> LaurentSeries:
         """Return base^p by the series of (1 + x)^p; p an integer, or a half, or base(0) != 0."""
         if not base.coefficients:
             raise ValueError("too many terms of a base cancel")
@@ -350,11 +350,11 @@ class Expansion:
             front = lead ** int(exponent)
         else:
             front = self.algebra.of(self.algebra.expression(lead) ** exponent)
-        minus_rest = Series.of(1, [-c / lead for c in base.coefficients[1:]])
+        minus_rest = LaurentSeries.of(1, [-c / lead for c in base.coefficients[1:]])
         series = self._hypergeometric([-exponent], [], minus_rest)
-        return Series(int(order), [front * c for c in series.coefficients])
+        return LaurentSeries(int(order), [front * c for c in series.coefficients])
 
-    def _hypergeometric(self, upper: Sequence[Expr], lower: Sequence[Expr], z: Series) -> Series:
+    def _hypergeometric(self, upper: Sequence[Expr], lower: Sequence[Expr], z: LaurentSeries) -> LaurentSeries:
         """Return the sum of (upper)_k/(lower)_k z^k/k! for a series z that vanishes at 0."""
         if z.order < 1:
             raise ValueError("a function is needed at another place than 0")
@@ -368,7 +368,7 @@ class Expansion:
             total += self._constant(value) * power
         return total
 
-    def _integrated(self, expr: Expr) -> Series:
+    def _integrated(self, expr: Expr) -> LaurentSeries:
         """Return f(z) = f(z(0)) + the integral of its derivative, of other functions than f."""
         slope = sp.diff(expr, self.x)
         if len(expr.args) > 1 or slope.has(expr.func):
@@ -381,9 +381,9 @@ class Expansion:
         start = inner.coefficient(0)
         front = expr.func(sp.S.Zero if start is None else self.algebra.expression(start))
         grown = [c / self.algebra.of(sp.Integer(n)) for n, c in enumerate(series.coefficients, series.order + 1)]
-        return self._constant(front) + Series(series.order + 1, grown)
+        return self._constant(front) + LaurentSeries(series.order + 1, grown)
 
-    def _third_kind(self, n: Expr, m: Expr) -> Series:
+    def _third_kind(self, n: Expr, m: Expr) -> LaurentSeries:
         """Return Pi(n, m) as a power series in n: pi/2 sum_k n^k (1/2)_k/k! 2F1(1/2, k + 1/2; k + 1; m)."""
         if self.of(n).order < 1:
             raise ValueError("elliptic_pi is needed at another place than 0")

@@ -21,7 +21,7 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.core.symbols import V
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.formula.proof.algebra import Algebra, Element, Expansion
+from stickslip_sym.formula.proof.algebra import Algebra, Element, SeriesExpansion
 from stickslip_sym.formula.proof.normal_form import normal_form
 from stickslip_sym.formula.proof.theorems import is_positive, is_smooth
 from stickslip_sym.output import printing
@@ -230,8 +230,8 @@ def _require_same_start(algebra: Algebra, term: Expr, value: Expr, criterion: Cr
     """Compare V value(V) and -sum b_n g_n V^n in the coefficients of V^n, n < count."""
     u = symbols.v
     for spare in _SPARE:
-        of_term = Expansion(algebra, u, count + spare).of(term)
-        of_value = Expansion(algebra, V, count + spare).of(V * value)
+        of_term = SeriesExpansion(algebra, u, count + spare).of(term)
+        of_value = SeriesExpansion(algebra, V, count + spare).of(V * value)
         if min(of_term.known, of_value.known) >= count:
             break
     else:

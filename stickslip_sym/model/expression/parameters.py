@@ -12,8 +12,8 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.foreign import printable
 from stickslip_sym.core.numbers import fraction, require_type
 from stickslip_sym.core.remedies import Argument
+from stickslip_sym.model.expression.dimensions import parse_unit
 from stickslip_sym.model.expression.parsing import NAME, taken
-from stickslip_sym.model.expression.units import parse_unit
 
 _ARGUMENTS = frozenset({"self", "digits", "on_invalid"})
 

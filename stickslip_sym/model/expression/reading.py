@@ -19,7 +19,7 @@ from stickslip_sym.core.errors import InputError, InputWarning
 from stickslip_sym.core.functions import fold, row
 from stickslip_sym.core.numbers import exact
 from stickslip_sym.core.remedies import Argument, Remedy
-from stickslip_sym.model.expression.normal_form import normal_form
+from stickslip_sym.model.expression.canonical_form import canonical_form
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.parsing import parse_expression
 from stickslip_sym.output.printing import text
@@ -103,7 +103,7 @@ def read_formula(formula: str, table: dict[str, Parameter], *, constant: bool = 
 
     expr = parse_expression(formula, symbol, frozenset(table))
     _check_value(expr)
-    expr = normal_form(expr)
+    expr = canonical_form(expr)
     if constant and expr.has(symbols.v):
         raise InputError("the static coefficient is one number; it cannot depend on v")
     _check_speed(undescribed, has_v=constant or "v" in names, bare=expr.is_Symbol)

@@ -12,7 +12,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.model.at_rest import reals
-from stickslip_sym.model.expression.units import parse_unit
+from stickslip_sym.model.expression.dimensions import parse_unit
 from stickslip_sym.model.fitting.features import PHASES, SearchGrid, features_of
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements

@@ -9,7 +9,7 @@ import numpy as np
 from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.remedies import Reading
-from stickslip_sym.model.measured.columns import Column
+from stickslip_sym.model.measured.columns import HeaderColumn
 from stickslip_sym.output.data import DataResult
 
 _STEP = re.compile(r"\W*(step|segment|stage|run|test|block|cycle|part|schritt|lauf)\b", re.IGNORECASE)
@@ -69,7 +69,7 @@ def varying(names: Sequence[str], cells: Sequence[Sequence[str]]) -> tuple[str, 
             continue
         values = _numbers([row[i] for row in cells if i < len(row)])
         if len(values) and np.ptp(values) > _VARIES * np.max(np.abs(values)):
-            meanings = Column.read(name).meanings
+            meanings = HeaderColumn.read(name).meanings
             place = _FIRST.index(meanings[0]) if meanings and meanings[0] in _FIRST else len(_FIRST)
             found.append((place, f"{name} {values.min():.4g} to {values.max():.4g}"))
     return tuple(text for _, text in sorted(found, key=lambda each: each[0])[:_NAMED])

@@ -166,7 +166,7 @@ def _name_and_unit(text: str) -> tuple[str, str]:
 
 
 @dataclass(frozen=True)
-class Column:
+class HeaderColumn:
     """A column by its header: its name and unit as written, what it may hold, and its number, from 1."""
 
     text: str
@@ -178,7 +178,7 @@ class Column:
     value: str = ""  # of all rows, where the user gave one and no column
 
     @classmethod
-    def read(cls, text: str, number: int = 0) -> "Column":
+    def read(cls, text: str, number: int = 0) -> "HeaderColumn":
         """Return what a cell of a header says."""
         text = " ".join(text.split())
         plain = _QUOTIENT.sub("", text)
@@ -191,7 +191,7 @@ class Column:
         column = cls(text, name, _meanings(name), unit_text, number)
         return replace(column, meanings=("v",)) if name == "n" and column.turns else column
 
-    def without(self, quantity: str) -> "Column":
+    def without(self, quantity: str) -> "HeaderColumn":
         """Return the column as one that does not hold a quantity."""
         return replace(self, meanings=tuple(meaning for meaning in self.meanings if meaning != quantity))
 
@@ -235,7 +235,7 @@ class Column:
 
 def is_header(cells: Sequence[str]) -> bool:
     """Return whether names hold both a speed and friction, in whatever units."""
-    named = {meaning for cell in cells for meaning in Column.read(cell).meanings}
+    named = {meaning for cell in cells for meaning in HeaderColumn.read(cell).meanings}
     return "v" in named and bool(named & {"mu", "F_t"})
 
 
@@ -246,13 +246,13 @@ def choose_columns(
     radius: Fraction | None,
     copies: Container[int] = (),
     written: WrittenRadius | None = None,
-) -> dict[str, Column]:
+) -> dict[str, HeaderColumn]:
     """Return which column holds which quantity: those the user chose, and those that are understood.
 
     - `copies`: numbers of columns that repeat the name and the cells of an earlier one.
     - `written`: the radius of the track that stands above the table.
     """
-    read = [Column.read(cell, number) for number, cell in enumerate(cells, 1)]
+    read = [HeaderColumn.read(cell, number) for number, cell in enumerate(cells, 1)]
     headers = [replace(header, meanings=()) if header.number in copies else header for header in read]
     headers = _of_slip_alone(headers)
     for quantity, text in chosen.items():
@@ -264,7 +264,7 @@ def choose_columns(
         headers = [header.without("mu") for header in headers]
     if any({"mu", "F_t"} & {*header.possible} and not header.is_torque for header in headers):
         headers = [header.without("F_t") if header.is_torque else header for header in headers]
-    columns, faults = dict[str, Column](), list[str]()
+    columns, faults = dict[str, HeaderColumn](), list[str]()
     rolling = next((header for header in headers if _ROLLING.fullmatch(_BREAKS.sub("", header.name))), None)
     has_mu = any(header.meanings == ("mu",) for header in headers)
     for header in headers:
@@ -292,7 +292,9 @@ def choose_columns(
     return {quantity: columns[quantity] for quantity in KINDS if quantity in columns}
 
 
-def _without_spreads_of_speed(headers: Sequence[Column], chosen: Mapping[str, str | int]) -> list[Column]:
+def _without_spreads_of_speed(
+    headers: Sequence[HeaderColumn], chosen: Mapping[str, str | int]
+) -> list[HeaderColumn]:
     """Return the columns without a deviation just behind the speed, as in v,std,mu: it is that of the speed."""
     kept = list(headers[:1])
     for before, header in pairwise(headers):
@@ -304,7 +306,7 @@ def _without_spreads_of_speed(headers: Sequence[Column], chosen: Mapping[str, st
     return kept
 
 
-def _of_slip_alone(headers: Sequence[Column]) -> list[Column]:
+def _of_slip_alone(headers: Sequence[HeaderColumn]) -> list[HeaderColumn]:
     """Return the columns with one named a slip speed as the only speed, as beside those of two bodies."""
     speeds = [header for header in headers if header.meanings == ("v",)]
     slip = [header for header in speeds if _OF_SLIP.search(header.name)]
@@ -314,8 +316,8 @@ def _of_slip_alone(headers: Sequence[Column]) -> list[Column]:
 
 
 def _chosen(
-    headers: Sequence[Column], where: str, quantity: str, text: str, copies: Container[int]
-) -> list[Column]:
+    headers: Sequence[HeaderColumn], where: str, quantity: str, text: str, copies: Container[int]
+) -> list[HeaderColumn]:
     """Return the columns with the one that the user chose as the only one of a quantity."""
     if quantity not in KINDS:
         raise InputError(f"a column holds {', '.join(KINDS)}, got {quantity!r}")
@@ -331,7 +333,7 @@ def _chosen(
             others[others.index(named[0].without(quantity))] = column
             return others
     if quantity == "F_n" and (value := _SCALED.fullmatch(text)):
-        force = Column(text, text, ("F_n",), value["unit"].strip(), chosen=True, value=value["size"])
+        force = HeaderColumn(text, text, ("F_n",), value["unit"].strip(), chosen=True, value=value["size"])
         if force.unit is not None and force.unit.kind == "force":
             return [*(header.without("F_n") for header in headers), force]
     known = ", ".join(_quoted(header.text) for header in headers)[:200]
@@ -342,7 +344,10 @@ def _chosen(
 
 
 def _fault(
-    column: Column, columns: Mapping[str, Column], radius: Fraction | None, written: WrittenRadius | None
+    column: HeaderColumn,
+    columns: Mapping[str, HeaderColumn],
+    radius: Fraction | None,
+    written: WrittenRadius | None,
 ) -> str:
     """Return what is wrong with a column that is understood: its unit, two meanings, or another one like it."""
     unit, possible = column.unit, column.possible
@@ -375,7 +380,7 @@ def _fault(
     return f"column {other.number}, {_quoted(other.text)}, is {possible[0]} too; give {both}"
 
 
-def _fault_of_all(columns: Mapping[str, Column], radius: Fraction | None) -> str:
+def _fault_of_all(columns: Mapping[str, HeaderColumn], radius: Fraction | None) -> str:
     """Return which quantity a table lacks, or which of its columns do not go together."""
     by_force = "mu" not in columns
     missing = ["no column is the slip speed"] * ("v" not in columns)

@@ -11,8 +11,8 @@ import numpy as np
 from scipy.special import ndtr, pdtrc
 
 from stickslip_sym.core.aliases import FloatArray
-from stickslip_sym.model.measured.branches import splines
 from stickslip_sym.model.measured.noise import last_decimal
+from stickslip_sym.model.measured.sweep_branches import splines
 
 _FEWEST = 200  # rows, below which tails are not told from a few stray ones
 _BLOCK = 100  # rows at neighbouring speeds, whose noise is of one size

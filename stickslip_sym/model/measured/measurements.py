@@ -18,9 +18,9 @@ from stickslip_sym.core.numbers import Number, fraction, read_array, real, requi
 from stickslip_sym.core.remedies import Argument
 from stickslip_sym.core.units import has_no_unit, without_unit
 from stickslip_sym.model.measured.blocks import Block, refuse_contradiction
-from stickslip_sym.model.measured.branches import Branches, branches_of
 from stickslip_sym.model.measured.heavy_tails import have_heavy_tails, huber_weights
-from stickslip_sym.model.measured.table import Table, read_table
+from stickslip_sym.model.measured.sweep_branches import SweepBranches, sweep_branches_of
+from stickslip_sym.model.measured.text_table import Table, read_table
 from stickslip_sym.output import markup
 from stickslip_sym.output.data import TableResult
 from stickslip_sym.output.drawing import Drawn, finish, picture
@@ -94,7 +94,7 @@ class Measurements(Drawn, TableResult):
     counts: FloatArray | None = None
     source: str = ""
     written: str = ""
-    branches: Branches | None = None
+    branches: SweepBranches | None = None
     static_at_least: float | None = None
     tails: FloatArray | None = None
     blocks: tuple[Block, ...] = ()
@@ -141,7 +141,7 @@ class Measurements(Drawn, TableResult):
         """
         if self.order is None:
             return self
-        branches = branches_of(self.v, self.mu, self.weights, self.order, direction)
+        branches = sweep_branches_of(self.v, self.mu, self.weights, self.order, direction)
         if branches is None:
             return self
         mu = self.mu if direction is None else self.mu - branches.offset * direction

@@ -15,7 +15,7 @@ import numpy as np
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.remedies import Reading
-from stickslip_sym.model.measured.columns import Column, choose_columns
+from stickslip_sym.model.measured.columns import HeaderColumn, choose_columns
 from stickslip_sym.model.measured.preamble import WrittenRadius
 
 _SPEED = re.compile(
@@ -59,7 +59,7 @@ def proposed(
     - `written`: a radius above the table.
     """
     values = {i: _values(rows, i) for i in range(len(header))}
-    columns = [Column.read(text, i + 1) for i, text in enumerate(header) if len(values[i])]
+    columns = [HeaderColumn.read(text, i + 1) for i, text in enumerate(header) if len(values[i])]
     left = [
         column for column in columns if not (_IN_TIME.search(column.name) or _counts(column, values))
     ] or columns
@@ -104,7 +104,7 @@ def _values(rows: Sequence[Sequence[str]], i: int) -> FloatArray:
     return finite if 2 * len(finite) > filled else np.zeros(0)
 
 
-def _counts(column: Column, values: Mapping[int, FloatArray]) -> bool:
+def _counts(column: HeaderColumn, values: Mapping[int, FloatArray]) -> bool:
     """Return whether the first of several columns without a name rises in even steps, as time or a count does."""
     steps = np.diff(values[column.number - 1])
     return (
@@ -115,10 +115,10 @@ def _counts(column: Column, values: Mapping[int, FloatArray]) -> bool:
     )
 
 
-def _speed(columns: Sequence[Column], values: Mapping[int, FloatArray]) -> Column | None:
+def _speed(columns: Sequence[HeaderColumn], values: Mapping[int, FloatArray]) -> HeaderColumn | None:
     """Return the likeliest column of the slip speed."""
 
-    def likely(column: Column) -> tuple[bool, ...]:
+    def likely(column: HeaderColumn) -> tuple[bool, ...]:
         varied = values[column.number - 1]
         return (
             "v" in column.possible and column.unit is not None,
@@ -132,10 +132,10 @@ def _speed(columns: Sequence[Column], values: Mapping[int, FloatArray]) -> Colum
     return max(columns, key=likely, default=None) if len(columns) > 1 else None
 
 
-def _friction(columns: Sequence[Column]) -> Column | None:
+def _friction(columns: Sequence[HeaderColumn]) -> HeaderColumn | None:
     """Return the likeliest column of friction."""
 
-    def likely(column: Column) -> tuple[int, bool]:
+    def likely(column: HeaderColumn) -> tuple[int, bool]:
         rank = next((i for i, pattern in enumerate(_FRICTION) if pattern.search(column.name)), len(_FRICTION))
         if _NORMAL.search(column.name) or "v" in column.meanings:
             rank += len(_FRICTION)
@@ -146,7 +146,7 @@ def _friction(columns: Sequence[Column]) -> Column | None:
     return max(columns, key=likely, default=None)
 
 
-def _quantity_of_friction(column: Column) -> tuple[str, str]:
+def _quantity_of_friction(column: HeaderColumn) -> tuple[str, str]:
     """Return whether a column is mu or F_t, and a unit for it, empty for none."""
     kind = column.unit.kind if column.unit is not None else ""
     if kind in ("force", "torque"):
@@ -158,7 +158,7 @@ def _quantity_of_friction(column: Column) -> tuple[str, str]:
     return "F_t", f"1 {unit}" if is_signal else unit  # of one of what it is in, which the user knows
 
 
-def _unit_of_speed(column: Column, others: Sequence[Column], values: Mapping[int, FloatArray]) -> str:
+def _unit_of_speed(column: HeaderColumn, others: Sequence[HeaderColumn], values: Mapping[int, FloatArray]) -> str:
     """Return a likely unit of a speed that has none."""
     friction = _friction(others)
     if _TURNING.search(column.text) or (friction is not None and _TORQUE.search(friction.name)):
@@ -169,17 +169,17 @@ def _unit_of_speed(column: Column, others: Sequence[Column], values: Mapping[int
     return "m/s" if size <= _SMALL else "mm/s" if size <= _LARGE else "um/s"
 
 
-def _with_unit(column: Column, unit: str, *kinds: str) -> str | int:
+def _with_unit(column: HeaderColumn, unit: str, *kinds: str) -> str | int:
     """Return a column by its number, with a unit where it has none of these kinds."""
     known = column.unit is not None and column.unit.kind in kinds
     return column.number if known or not unit else f"{column.number} [{unit}]"
 
 
 def _normal_force(
-    columns: Sequence[Column],
+    columns: Sequence[HeaderColumn],
     values: Mapping[int, FloatArray],
     friction: str | int,
-    all_columns: Sequence[Column],
+    all_columns: Sequence[HeaderColumn],
 ) -> str | int:
     """Return the column of the normal force, or one force that is above the friction force."""
     named = [column for column in columns if "F_n" in column.possible or _NORMAL.search(column.name)]

@@ -32,8 +32,8 @@ Explicit steps are those of DOP853, a Runge-Kutta method of order 8; in a fast d
 linearly implicit Euler method, extrapolated to order 8. A step that is to end at an extremum of w, or at a level,
 is taken again with other lengths: it is as accurate as the integration, and there are no interpolants.
 
-`data` names what the functions take and return, `forces` has the rates, `steps` the methods, `events` the ends of
-steps, and `follow` the loop.
+`slip_data` names what the functions take and return, `forces` has the rates, `steps` the methods, `events` the
+ends of steps, and `follow` the loop.
 
 Hairer, Norsett, Wanner: Solving Ordinary Differential Equations I, II.5 (DOP853); II, IV.9 (extrapolation).
 """

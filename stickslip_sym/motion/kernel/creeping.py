@@ -15,8 +15,8 @@ import math
 
 from stickslip_sym.model.table import Rise
 from stickslip_sym.motion.compiled import compilable
-from stickslip_sym.motion.kernel.data import Branch, Field
 from stickslip_sym.motion.kernel.forces import slope_at, standing
+from stickslip_sym.motion.kernel.slip_data import Branch, Field
 
 _PARTS = 8  # of an interval of the table, on each of which a slope is bounded
 

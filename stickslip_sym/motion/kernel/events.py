@@ -3,8 +3,8 @@
 import math
 
 from stickslip_sym.motion.compiled import compilable, inlined
-from stickslip_sym.motion.kernel.data import ULP, Branch, Field, SlipEnd, SlipState, Trial, Wedge
 from stickslip_sym.motion.kernel.forces import bend_at, of_wedge, rate_at
+from stickslip_sym.motion.kernel.slip_data import ULP, Branch, Field, SlipEnd, SlipState, Trial, Wedge
 from stickslip_sym.motion.kernel.steps import stepped
 
 _GUESSES = 20  # steps of Newton's method, after which a bracket is halved

@@ -6,7 +6,17 @@ from stickslip_sym.core.deadline import is_late
 from stickslip_sym.model.table import Rise
 from stickslip_sym.motion.compiled import compilable, inlined
 from stickslip_sym.motion.kernel.creeping import creeps
-from stickslip_sym.motion.kernel.data import (
+from stickslip_sym.motion.kernel.events import land
+from stickslip_sym.motion.kernel.forces import (
+    entered,
+    interval_number,
+    rate_at,
+    rise_at,
+    slope_at,
+    slope_standing,
+    standing,
+)
+from stickslip_sym.motion.kernel.slip_data import (
     PRECISE,
     ULP,
     Branch,
@@ -20,16 +30,6 @@ from stickslip_sym.motion.kernel.data import (
     Stop,
     Trial,
     Wedge,
-)
-from stickslip_sym.motion.kernel.events import land
-from stickslip_sym.motion.kernel.forces import (
-    entered,
-    interval_number,
-    rate_at,
-    rise_at,
-    slope_at,
-    slope_standing,
-    standing,
 )
 from stickslip_sym.motion.kernel.steps import AMPLIFIED, stepped
 

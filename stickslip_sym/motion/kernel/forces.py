@@ -5,7 +5,7 @@ from typing import Any
 
 from stickslip_sym.model.table import Pieces, Rise
 from stickslip_sym.motion.compiled import compilable, inlined
-from stickslip_sym.motion.kernel.data import ULP, Branch, Field, Wedge
+from stickslip_sym.motion.kernel.slip_data import ULP, Branch, Field, Wedge
 
 _BEYOND = 4.0  # half-widths of an interval from its middle, up to which a polynomial is continued
 _BEYOND_SQUARED = _BEYOND * _BEYOND

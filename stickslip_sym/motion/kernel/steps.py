@@ -5,8 +5,8 @@ import math
 from scipy.integrate import DOP853
 
 from stickslip_sym.motion.compiled import compilable, inlined
-from stickslip_sym.motion.kernel.data import ULP, Branch, Field, SlipState, Trial, Wedge
 from stickslip_sym.motion.kernel.forces import of_wedge, rate_at, rise_at, slope_at
+from stickslip_sym.motion.kernel.slip_data import ULP, Branch, Field, SlipState, Trial, Wedge
 
 _SMALL = 0.01  # states below count as that large in an error: less than order 1, since events are where w is 0
 _ROWS = 8  # of the extrapolation

@@ -18,10 +18,10 @@ from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
-from stickslip_sym.motion.kernel.data import ADDED, TIGHT
+from stickslip_sym.motion.kernel.slip_data import ADDED, TIGHT
 from stickslip_sym.motion.maps.cells import LATE
 from stickslip_sym.motion.maps.drawing import CellMap, regions_of_motions
-from stickslip_sym.motion.maps.table import Axis, read_values, require_few
+from stickslip_sym.motion.maps.results_over_axes import Axis, read_values, require_few
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.attractors import Region
 from stickslip_sym.motion.regimes.classification import followed

@@ -26,7 +26,7 @@ from stickslip_sym.core.numbers import SAME
 from stickslip_sym.criteria.criterion import least_squares
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.kernel.data import ADDED, SlipEnd
+from stickslip_sym.motion.kernel.slip_data import ADDED, SlipEnd
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.damping import NEAREST, needed_damping, resolve_together
 from stickslip_sym.motion.orbits.needed import SIGNS, SearchEnd, search_damping_ratios

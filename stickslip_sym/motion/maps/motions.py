@@ -19,7 +19,7 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.negative import note_at_rest
 from stickslip_sym.motion.maps.cells import CURVES, LATE, Cells, Reason, decide
 from stickslip_sym.motion.maps.drawing import FAILED, NO_ATTRACTOR, CellMap, regions_of_attractors
-from stickslip_sym.motion.maps.table import OSCILLATOR, AxisValues, read_plane
+from stickslip_sym.motion.maps.results_over_axes import OSCILLATOR, AxisValues, read_plane
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Region
 from stickslip_sym.motion.workers import Workers, collect
 from stickslip_sym.output import files

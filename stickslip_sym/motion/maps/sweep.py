@@ -23,10 +23,17 @@ from stickslip_sym.core.progress import report_counts_to, steps
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
-from stickslip_sym.motion.kernel.data import TIGHT
+from stickslip_sym.motion.kernel.slip_data import TIGHT
 from stickslip_sym.motion.maps.basins import Share, shares_by_area
 from stickslip_sym.motion.maps.drawing import regions_of_motions
-from stickslip_sym.motion.maps.table import Axis, AxisValues, ResultsOverAxes, placed, read_axis, read_values
+from stickslip_sym.motion.maps.results_over_axes import (
+    Axis,
+    AxisValues,
+    ResultsOverAxes,
+    placed,
+    read_axis,
+    read_values,
+)
 from stickslip_sym.motion.margins.critical import critical
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.damping import needed_damping

@@ -35,7 +35,7 @@ from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.kernel.data import TIGHT, SlipEnd
+from stickslip_sym.motion.kernel.slip_data import TIGHT, SlipEnd
 from stickslip_sym.motion.orbits.damping import quick_speeds
 from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, STRONG, orbit_damping_ratio, velocity_mismatch_at
 from stickslip_sym.motion.slip import NondimensionalOscillator

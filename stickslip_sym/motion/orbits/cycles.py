@@ -11,7 +11,7 @@ from stickslip_sym.core import deadline
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.kernel.data import TIGHT, SlipEnd
+from stickslip_sym.motion.kernel.slip_data import TIGHT, SlipEnd
 from stickslip_sym.motion.orbits.damping import NeededDamping, needed_damping
 from stickslip_sym.motion.orbits.needed import PARTED, forward_and_backward_orbit
 from stickslip_sym.motion.slip import NondimensionalOscillator

@@ -25,7 +25,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import FrictionTable, Rise
 from stickslip_sym.motion.compiled import is_ready
-from stickslip_sym.motion.kernel.data import PRECISE, TIGHT
+from stickslip_sym.motion.kernel.slip_data import PRECISE, TIGHT
 from stickslip_sym.motion.orbits.needed import (
     ROUNDING,
     SearchEnd,

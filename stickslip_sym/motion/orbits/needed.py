@@ -42,7 +42,9 @@ from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
 from stickslip_sym.model.table import Rise
 from stickslip_sym.motion.compiled import compilable, is_compiling, is_ready
-from stickslip_sym.motion.kernel.data import (
+from stickslip_sym.motion.kernel.follow import follow
+from stickslip_sym.motion.kernel.forces import rise_at, standing
+from stickslip_sym.motion.kernel.slip_data import (
     MOST_STEPS,
     PRECISE,
     TIGHT,
@@ -54,8 +56,6 @@ from stickslip_sym.motion.kernel.data import (
     Wedge,
     no_wedge,
 )
-from stickslip_sym.motion.kernel.follow import follow
-from stickslip_sym.motion.kernel.forces import rise_at, standing
 from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.numerics.known import Column, Unknown
 

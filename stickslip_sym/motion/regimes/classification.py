@@ -17,7 +17,7 @@ from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
-from stickslip_sym.motion.kernel.data import ADDED, SlipEnd
+from stickslip_sym.motion.kernel.slip_data import ADDED, SlipEnd
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.regime import kept_regime
 from stickslip_sym.motion.simulation.simulate import read_initial_conditions

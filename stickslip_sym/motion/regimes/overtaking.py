@@ -32,7 +32,7 @@ from scipy.special import comb
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.model.table import FrictionTable
-from stickslip_sym.motion.kernel.data import ADDED, PRECISE
+from stickslip_sym.motion.kernel.slip_data import ADDED, PRECISE
 from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.numerics.known import Column, Unknown
 from stickslip_sym.numerics.resolved import resolve

@@ -26,7 +26,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.negative import note_at_rest
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
-from stickslip_sym.motion.kernel.data import ADDED, SlipEnd
+from stickslip_sym.motion.kernel.slip_data import ADDED, SlipEnd
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles
 from stickslip_sym.motion.orbits.damping import NEAREST, needed_damping

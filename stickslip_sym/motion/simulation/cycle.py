@@ -17,7 +17,7 @@ from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.kernel.data import SlipEnd
+from stickslip_sym.motion.kernel.slip_data import SlipEnd
 from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.output import markup
 from stickslip_sym.output.data import DataResult

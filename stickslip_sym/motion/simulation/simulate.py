@@ -22,7 +22,7 @@ from stickslip_sym.core.numbers import read_array, read_rtol, real
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
-from stickslip_sym.motion.kernel.data import SlipEnd
+from stickslip_sym.motion.kernel.slip_data import SlipEnd
 from stickslip_sym.motion.simulation.reference import simulate_by_solve_ivp
 from stickslip_sym.motion.simulation.trajectory import Outcome, Phase, Stretch, Trajectories, Trajectory
 from stickslip_sym.motion.slip import NondimensionalOscillator, Slip

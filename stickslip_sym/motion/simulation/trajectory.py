@@ -17,7 +17,7 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import SAME, read_array
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.motion.kernel.data import ADDED
+from stickslip_sym.motion.kernel.slip_data import ADDED
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.output import drawing, files, markup
 from stickslip_sym.output.data import DataResult, TableResult

@@ -16,7 +16,7 @@ from stickslip_sym.model.expression.pieces import places, rate
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import Pieces
-from stickslip_sym.motion.kernel.data import ADDED, PRECISE, TIGHT, SlipEnd, Wedge
+from stickslip_sym.motion.kernel.slip_data import ADDED, PRECISE, TIGHT, SlipEnd, Wedge
 from stickslip_sym.motion.orbits.needed import PARTED, ROUNDING, STRONG, orbit_damping_ratio, velocity_mismatch_at
 from stickslip_sym.motion.slip import NondimensionalOscillator
 

@@ -22,7 +22,7 @@ from stickslip_sym.core.remedies import Argument, Name
 from stickslip_sym.criteria import criterion as criteria
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.motion.kernel.data import TIGHT
+from stickslip_sym.motion.kernel.slip_data import TIGHT
 from stickslip_sym.motion.orbits.expansion import damping_of_layer, expand, expansion_changes
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.orbits.orbit import orbits

@@ -20,7 +20,7 @@ from sweeps import sweep
 
 import stickslip_sym as ss
 from derivations import paper
-from stickslip_sym.formula.evaluation.making import branches_of
+from stickslip_sym.formula.evaluation.branch_builder import branches_of
 from stickslip_sym.formula.slope_average import SlopeAverage
 
 PAPER = ("exponential", "polynomial")

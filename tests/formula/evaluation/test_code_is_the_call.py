@@ -10,7 +10,7 @@ from languages import PROGRAMS, runs, values_of
 from sweeps import sweep
 
 import stickslip_sym as ss
-from stickslip_sym.formula.evaluation.branches import Table
+from stickslip_sym.formula.evaluation.branches import PanelTable
 from stickslip_sym.formula.evaluation.term_function import TermFunction
 
 LAWS = {
@@ -97,7 +97,7 @@ def test_a_wrong_coefficient_in_a_text_refutes_it(monkeypatch):
     right = average.functions[-1].branches()
     rows = [getattr(branch, "rows", None) for branch in right.branches]
     wrong = tuple(
-        b if row is None else Table(row * (1 + 1e-13)) for b, row in zip(right.branches, rows, strict=True)
+        b if row is None else PanelTable(row * (1 + 1e-13)) for b, row in zip(right.branches, rows, strict=True)
     )
     assert "As written CHECKED" in average.code("c")
     monkeypatch.setattr(TermFunction, "branches", lambda *args: replace(right, branches=wrong))

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stickslip_sym as ss
-from stickslip_sym.model.measured import branches, table
+from stickslip_sym.model.measured import sweep_branches, text_table
 from stickslip_sym.model.measured.plain import plain_numbers
 
 HEADERS = (
@@ -26,7 +26,7 @@ def both_ways(path, **how):
     """What is read as a whole, and what cell by cell."""
     results = []
     for least in (0, 1e9):
-        with patch.object(table, "_LONG", least):
+        with patch.object(text_table, "_LONG", least):
             try:
                 results.append(ss.read_measurements(path, **how))
             except ss.InputError as error:
@@ -79,19 +79,19 @@ def test_turns_are_those_of_a_walk_row_by_row(seed):
         np.sin(np.linspace(0, rng.uniform(0, 40), count)) + rng.choice([0, 0.02, 0.2]) * rng.normal(size=count)
     )
     v = np.round(v, int(rng.integers(1, 5)))
-    with patch.object(branches, "_PASSED", 1):
-        alone = branches._turns(v)
-    with patch.object(branches, "_PASSED", count):
-        together = branches._turns(v)
-    assert branches._turns(v) == alone == together
+    with patch.object(sweep_branches, "_PASSED", 1):
+        alone = sweep_branches._turns(v)
+    with patch.object(sweep_branches, "_PASSED", count):
+        together = sweep_branches._turns(v)
+    assert sweep_branches._turns(v) == alone == together
 
 
 def test_random_order_of_many_rows_is_no_sweep_and_sweeps_are():
     rng = np.random.default_rng(1)
     v = rng.uniform(0, 1, 60_000)
-    assert branches._is_shuffled(v)
+    assert sweep_branches._is_shuffled(v)
     swept = np.abs(np.sin(np.linspace(0, 2000, 60_000)))
-    assert not branches._is_shuffled(swept)
-    labels, rising, falling = branches._sweeps(swept)
+    assert not sweep_branches._is_shuffled(swept)
+    labels, rising, falling = sweep_branches._sweeps(swept)
     assert (rising, falling) == (637, 636)
     assert np.mean(labels[1:] == np.sign(np.diff(swept))) > 0.99

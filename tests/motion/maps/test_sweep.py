@@ -10,7 +10,7 @@ from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
-from stickslip_sym.motion.maps.table import placed
+from stickslip_sym.motion.maps.results_over_axes import placed
 
 LAW = ss.laws.exponential.bind(mu_s=1, mu_m=0.5, alpha=2)
 OSC = ss.Oscillator(m=1, k=1, c=0.1, V=1.5, N=1)

@@ -10,7 +10,7 @@ from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.criteria.rule import gauss_average
-from stickslip_sym.motion.kernel.data import SlipEnd
+from stickslip_sym.motion.kernel.slip_data import SlipEnd
 from stickslip_sym.motion.orbits.damping import needed_damping
 from stickslip_sym.motion.slip import NondimensionalOscillator
 

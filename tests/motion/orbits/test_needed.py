@@ -11,7 +11,7 @@ from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym.motion.kernel.creeping import creeps, slope_bounds
-from stickslip_sym.motion.kernel.data import TIGHT, SlipEnd, no_wedge
+from stickslip_sym.motion.kernel.slip_data import TIGHT, SlipEnd, no_wedge
 from stickslip_sym.motion.orbits import needed
 from stickslip_sym.motion.orbits.needed import (
     HalfOutcome,

@@ -16,8 +16,8 @@ from stickslip_sym.core.names import suggestion
 from stickslip_sym.core.numbers import read_array, real
 from stickslip_sym.core.remedies import ParameterValues
 from stickslip_sym.core.units import in_si
-from stickslip_sym.model.content import text_of_law
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.law_content import text_of_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.output import drawing, files, markup
 from stickslip_sym.output.data import TableResult

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 
 from stickslip_sym.core.units import last_digits
-from stickslip_sym.model.measured.columns import Column, read_unit
+from stickslip_sym.model.measured.columns import HeaderColumn, read_unit
 
 _NUMBER = r"(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d{1,4})?"
 _PLAIN = re.compile(rf"[+-]?{_NUMBER}")
@@ -42,13 +42,13 @@ def split_values(
         have_errors = {_error(match) is not None for match in matches.values()}
         if len(units) > 1 or len(have_errors) > 1:
             continue
-        read = Column.read(header[column])
+        read = HeaderColumn.read(header[column])
         if (unit := units.pop()) is not None:
             if read.unit_text and read_unit(read.unit_text) != read_unit(unit):
                 continue
             names[column] = header[column] if read.unit_text else f"{header[column]} [{unit}]"
         if have_errors.pop():
-            names.append(_name_of_errors(Column.read(names[column])))
+            names.append(_name_of_errors(HeaderColumn.read(names[column])))
             for i in wide:
                 error = _error(matches[i]) if i in matches else None
                 cells[i] = cells[i][0], [*cells[i][1][: len(names) - 1], error or ""]
@@ -65,7 +65,7 @@ def _error(match: re.Match[str]) -> str | None:
     return error.replace(".", ",") if "," in match["number"] else error
 
 
-def _name_of_errors(column: Column) -> str:
+def _name_of_errors(column: HeaderColumn) -> str:
     """Return the name of a column of standard errors: of friction they are read, of anything else they are not."""
     if column.meanings == ("mu",):
         return "sigma_mu" if column.unit_text in ("", "1", "-") else f"deviation of {column.name}"

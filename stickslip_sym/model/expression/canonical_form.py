@@ -26,7 +26,7 @@ _OF_LOGARITHMS: dict[type[Expr], Callable[[Expr], Expr]] = {
 """Hyperbolic functions of log(x)."""
 
 
-def normal_form(expr: Expr) -> Expr:
+def canonical_form(expr: Expr) -> Expr:
     """Return an expression of the same value, in one spelling.
 
     - ``1/cosh(x)`` is sech(x), 1 - tanh(x)^2 is sech(x)^2, and ``1/(exp(x) + exp(-x))`` sech(x)/2.

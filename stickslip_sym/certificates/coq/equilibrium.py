@@ -6,7 +6,7 @@ from itertools import product
 import sympy as sp
 
 from stickslip_sym.certificates.coq.printer import Unsupported
-from stickslip_sym.certificates.coq.script import Script, solved, unfolded
+from stickslip_sym.certificates.coq.tactics import Script, solved, unfolded
 from stickslip_sym.certificates.coq.words import (
     Generators,
     by_places,

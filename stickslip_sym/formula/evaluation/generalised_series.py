@@ -21,7 +21,7 @@ from stickslip_sym.core.functions import Function, elementary, fold, without_ove
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.core.special import Erfcx
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.model.taylor_model import Bound, Expansion, NotAnalytic
+from stickslip_sym.model.taylor_model import Bound, ExpansionAlgebra, NotAnalytic
 
 _TERMS = 30
 """Terms of a series: (1/4)^30 < 2^-57, so that it holds up to a quarter of its radius of convergence."""
@@ -39,14 +39,14 @@ Powers = dict[tuple[int, int], arb]
 
 
 @dataclass(frozen=True)
-class Series:
+class GeneralisedSeries:
     """A sum of c x^(e/unit) log(x)^l, complete for exponents below `top`."""
 
     terms: Powers
     top: float = math.inf
 
     @classmethod
-    def of(cls, terms: Powers, top: float) -> "Series":
+    def of(cls, terms: Powers, top: float) -> "GeneralisedSeries":
         """Return a series without zeros, cut where it has more terms than are kept."""
         keys = sorted(key for key, value in terms.items() if value != 0 and key[0] < top)
         if len(keys) > _TERMS:
@@ -66,13 +66,13 @@ class Series:
             raise NotAnalytic("the leading term is not certain")
         return leaders[0][1]
 
-    def __add__(self, other: "Series") -> "Series":
+    def __add__(self, other: "GeneralisedSeries") -> "GeneralisedSeries":
         terms = dict(self.terms)
         for key, value in other.terms.items():
             terms[key] = terms[key] + value if key in terms else value
-        return Series.of(terms, min(self.top, other.top))
+        return GeneralisedSeries.of(terms, min(self.top, other.top))
 
-    def __mul__(self, other: "Series") -> "Series":
+    def __mul__(self, other: "GeneralisedSeries") -> "GeneralisedSeries":
         top = min(self.top + other.low, other.top + self.low)
         terms: Powers = {}
         for (e, n), a in self.terms.items():
@@ -80,48 +80,50 @@ class Series:
                 if e + f < top:
                     key = e + f, n + m
                     terms[key] = terms[key] + a * b if key in terms else a * b
-        return Series.of(terms, top)
+        return GeneralisedSeries.of(terms, top)
 
-    def split(self) -> tuple[arb, "Series"]:
+    def split(self) -> tuple[arb, "GeneralisedSeries"]:
         """Return the number in it, and what vanishes with x."""
         start = self.terms.get((0, 0), arb(0))
-        rest = Series({key: c for key, c in self.terms.items() if key != (0, 0)}, self.top)
+        rest = GeneralisedSeries({key: c for key, c in self.terms.items() if key != (0, 0)}, self.top)
         if rest.low <= 0:
             raise NotAnalytic("a function of a logarithm, or of what grows")
         return start, rest
 
-    def without_first(self) -> "Series":
+    def without_first(self) -> "GeneralisedSeries":
         """Return it without its first term."""
-        return Series({key: c for key, c in self.terms.items() if key != (self.low, 0)}, self.top)
+        return GeneralisedSeries({key: c for key, c in self.terms.items() if key != (self.low, 0)}, self.top)
 
-    def scaled(self, factor: arb, power: int = 0) -> "Series":
+    def scaled(self, factor: arb, power: int = 0) -> "GeneralisedSeries":
         """Return it times a number and a power of x."""
-        return Series({(e + power, n): c * factor for (e, n), c in self.terms.items()}, self.top + power)
+        return GeneralisedSeries(
+            {(e + power, n): c * factor for (e, n), c in self.terms.items()}, self.top + power
+        )
 
-    def constant(self, value: arb) -> "Series":
+    def constant(self, value: arb) -> "GeneralisedSeries":
         """Return a number."""
-        return Series.of({(0, 0): value}, math.inf)
+        return GeneralisedSeries.of({(0, 0): value}, math.inf)
 
-    def inserted_in(self, coefficients: Sequence[arb], _bound: Bound | None = None) -> "Series":
+    def inserted_in(self, coefficients: Sequence[arb], _bound: Bound | None = None) -> "GeneralisedSeries":
         """Return the sum of coefficients times powers of this, which vanishes with x."""
         if not self.terms and self.top == math.inf:
-            return Series({(0, 0): coefficients[0]})
+            return GeneralisedSeries({(0, 0): coefficients[0]})
         top = min(self.top, self.low * len(coefficients))
-        total = Series({})
+        total = GeneralisedSeries({})
         for coefficient in reversed(coefficients):
-            total = total * self + Series({(0, 0): coefficient}, top)
+            total = total * self + GeneralisedSeries({(0, 0): coefficient}, top)
         return total
 
 
-_BEYOND = Series({}, -math.inf)
+_BEYOND = GeneralisedSeries({}, -math.inf)
 """What grows faster than any power."""
 
 
-def _beyond(node: Expr, parts: list[Series]) -> Series:
+def _beyond(node: Expr, parts: list[GeneralisedSeries]) -> GeneralisedSeries:
     """Return a node of what grows faster than any power: that too, or what vanishes faster than any."""
     others = [part for part in parts if part is not _BEYOND]
     if node.is_Pow and node.exp.is_negative:
-        return Series({})
+        return GeneralisedSeries({})
     if len(others) < len(parts) - 1 or not (node.is_Add or node.is_Mul or (node.is_Pow and node.exp.is_positive)):
         raise NotAnalytic(f"{node} grows in ways that may cancel")
     if node.is_Mul:
@@ -130,45 +132,45 @@ def _beyond(node: Expr, parts: list[Series]) -> Series:
     return _BEYOND
 
 
-class _GeneralExpansion(Expansion[Series]):
+class _GeneralExpansion(ExpansionAlgebra[GeneralisedSeries]):
     """The algebra of generalised series in x = v, or in x = 1/v far out."""
 
     def __init__(self, point: Mapping[Expr, Expr], unit: int, far: bool) -> None:
-        super().__init__(point, Series({(-unit if far else unit, 0): arb(1)}), _TERMS)
+        super().__init__(point, GeneralisedSeries({(-unit if far else unit, 0): arb(1)}), _TERMS)
         self.unit, self.far = unit, far
 
-    def __call__(self, node: Expr, parts: list[Series]) -> Series:
+    def __call__(self, node: Expr, parts: list[GeneralisedSeries]) -> GeneralisedSeries:
         if any(part is _BEYOND for part in parts):
             return _beyond(node, parts)
         return super().__call__(node, parts)
 
-    def power(self, base: Series, exponent: Expr) -> Series:
+    def power(self, base: GeneralisedSeries, exponent: Expr) -> GeneralisedSeries:
         if not base.terms and base.top == math.inf and exponent.is_positive:
             return base  # what is smaller than any power
         return super().power(base, exponent)
 
-    def function(self, known: Function, inner: Series) -> Series:
+    def function(self, known: Function, inner: GeneralisedSeries) -> GeneralisedSeries:
         grows = inner.low < 0
         if known.kind is sp.log and (grows or (0, 0) not in inner.terms):
             return self._logarithm(inner)
         return self._far_function(known, inner) if grows else super().function(known, inner)
 
-    def _logarithm(self, inner: Series) -> Series:
+    def _logarithm(self, inner: GeneralisedSeries) -> GeneralisedSeries:
         """Return the logarithm of what vanishes with x, or grows."""
         low, first = int(inner.low), inner.leading
         if not first > 0:
             raise NotAnalytic("a logarithm of what is negative")
-        whole = Series({(0, 0): first.log(), (0, 1): arb(rational(sp.Rational(low, self.unit)))})
+        whole = GeneralisedSeries({(0, 0): first.log(), (0, 1): arb(rational(sp.Rational(low, self.unit)))})
         rest = inner.without_first().scaled(1 / first, -low)
         return whole + rest.inserted_in(self.coefficients(sp.log, arb(1)))
 
-    def _far_function(self, known: Function, inner: Series) -> Series:
+    def _far_function(self, known: Function, inner: GeneralisedSeries) -> GeneralisedSeries:
         """Return a function of what grows without bound: far out, or exp(-1/v) near rest."""
         kind, positive = known.kind, bool(inner.leading > 0)
         if not self.far and kind is not sp.exp:
             raise NotAnalytic(f"{known.name} has an essential singularity")
         if kind is sp.atan:
-            quarter = Series({(0, 0): (arb.pi() if positive else -arb.pi()) / 2})
+            quarter = GeneralisedSeries({(0, 0): (arb.pi() if positive else -arb.pi()) / 2})
             return quarter + self.function(known, self.power(inner, sp.S.NegativeOne)).scaled(arb(-1))
         if kind is Erfcx and positive:
             return self.power(inner, sp.S.NegativeOne).inserted_in(_of_erfcx(_TERMS))
@@ -189,7 +191,7 @@ def _of_erfcx(count: int) -> list[arb]:
     return coefficients
 
 
-def expanded(slope: Expr, point: Mapping[Expr, Expr], unit: int, *, far: bool) -> Series:
+def expanded(slope: Expr, point: Mapping[Expr, Expr], unit: int, *, far: bool) -> GeneralisedSeries:
     """Return the series of a slope at rest, or in 1/v far out; the exponents are in units of 1/`unit`."""
     try:
         series = fold(without_overflow(elementary(slope)), _GeneralExpansion(point, unit, far))
@@ -226,7 +228,7 @@ def _means(criterion: Criterion, exponent: arb) -> tuple[arb, arb]:
         return ((low + high) / 2).mid(), ((2 * (higher - lower) - (high - low)) / (6 * _STEP)).mid()
 
 
-def near_rest(series: Series, criterion: Criterion, unit: int) -> Series:
+def near_rest(series: GeneralisedSeries, criterion: Criterion, unit: int) -> GeneralisedSeries:
     """Return F(r) = -<g'(r (1 + s))> for small r."""
     terms: Powers = {}
     for (e, n), c in series.terms.items():
@@ -236,12 +238,12 @@ def near_rest(series: Series, criterion: Criterion, unit: int) -> Series:
         _add(terms, (e, n), -c * mean)
         if n:
             _add(terms, (e, 0), -c * beside)
-    return Series.of(terms, series.top)
+    return GeneralisedSeries.of(terms, series.top)
 
 
 def far_out(
-    series: Series, criterion: Criterion, unit: int, end: arb, weight: list[arb], moments: list[arb]
-) -> Series:
+    series: GeneralisedSeries, criterion: Criterion, unit: int, end: arb, weight: list[arb], moments: list[arb]
+) -> GeneralisedSeries:
     """Return F(r) for large r, in 1/r.
 
     The series holds for v > `end`; below that the slope has `moments` with the terms of the weight, w = sum of
@@ -273,7 +275,7 @@ def far_out(
                 total -= share * (-(end.log() - 1 / rate)) if n else share
         key = power + unit, 0
         _add(terms, key, -total * end ** (arb(power + unit) / unit))
-    return Series.of(terms, series.top)
+    return GeneralisedSeries.of(terms, series.top)
 
 
 def _add(terms: Powers, key: tuple[int, int], value: arb) -> None:

@@ -37,7 +37,7 @@ _APART = 1e-2  # least part of a term that no smooth curve of the speed is, for 
 
 
 @dataclass(frozen=True, eq=False)
-class Branches:
+class SweepBranches:
     """How rows of measurements were swept, and by how much branches and directions differ.
 
     Attributes
@@ -89,9 +89,9 @@ class Branches:
         return ", ".join(said)
 
 
-def branches_of(
+def sweep_branches_of(
     v: FloatArray, mu: FloatArray, weights: FloatArray, order: IntArray, direction: IntArray | None = None
-) -> Branches | None:
+) -> SweepBranches | None:
     """Return how rows at ascending speeds, of which `order` says where they stood, were swept; None for one sweep.
 
     `direction` is 1 or -1 where both directions were measured, and 0 for a row without one.
@@ -110,7 +110,7 @@ def branches_of(
         hysteresis = _terms(v, sweep)
         names += ["hysteresis"] * len(hysteresis)
         columns += hysteresis
-    none = Branches(rising, falling, sweep, np.zeros((len(v), 0)), np.zeros(len(v)))
+    none = SweepBranches(rising, falling, sweep, np.zeros((len(v), 0)), np.zeros(len(v)))
     smooth = weights[:, None] * splines(v).toarray()
     if not columns or len(v) < smooth.shape[1] + len(columns) + _FEWEST:
         return none if rising else None
@@ -149,7 +149,7 @@ def branches_of(
     of_gap = np.array([names[i] == "hysteresis" for i in chosen])
     raw = np.array(columns).T[:, chosen]
     mean = np.mean(2 * sweep[:, None] * raw, axis=0) * of_gap
-    return Branches(
+    return SweepBranches(
         rising, falling, sweep, raw,
         hysteresis=(raw * of_gap) @ factors,
         gap=float(mean @ factors),

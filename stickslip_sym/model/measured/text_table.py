@@ -20,11 +20,11 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.foreign import printable
 from stickslip_sym.core.remedies import Argument, Reading, Remedy
 from stickslip_sym.model.measured.blocks import Block, label_of, varying
-from stickslip_sym.model.measured.columns import EXPECTED, Column, choose_columns, is_header, read_unit
+from stickslip_sym.model.measured.columns import EXPECTED, HeaderColumn, choose_columns, is_header, read_unit
 from stickslip_sym.model.measured.plain import lines_before, plain_numbers
 from stickslip_sym.model.measured.preamble import WrittenRadius, written_radius
 from stickslip_sym.model.measured.proposals import proposed
-from stickslip_sym.model.measured.values import is_value, split_values
+from stickslip_sym.model.measured.written_values import is_value, split_values
 from stickslip_sym.output.files import read_bytes
 
 SEPARATORS = "\t;|, "
@@ -63,7 +63,7 @@ class Table:
     """The cells of the columns that are read, with the lines they stand in; other rows are refused or counted."""
 
     name: str
-    columns: dict[str, Column]
+    columns: dict[str, HeaderColumn]
     unread: list[str]
     leave_out: bool
     written: str = ""  # how, in words

@@ -1,7 +1,7 @@
 """How the branches of an average are made: once for a profile, from its structure and values in ball arithmetic.
 
-- Near rest and far out the generalised power series of `expansion`, as polynomials; near rest with an exponential
-  taken out where they reach further so.
+- Near rest and far out the generalised power series of `generalised_series`, as polynomials; near rest with an
+  exponential taken out where they reach further so.
 - The closed form, from where on a dense comparison with balls says that it does not cancel.
 - Polynomials in panels for what lies between.
 
@@ -31,16 +31,16 @@ from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.decay import decay_at_rest
 from stickslip_sym.criteria.enclosure import average_enclosure
-from stickslip_sym.formula.evaluation.branches import Branch, Branches, Sum, Table, value_of
-from stickslip_sym.formula.evaluation.expansion import (
+from stickslip_sym.formula.evaluation.branches import Branch, Branches, PanelTable, Sum, value_of
+from stickslip_sym.formula.evaluation.generalised_series import (
+    GeneralisedSeries,
     Powers,
-    Series,
     expanded,
     far_out,
     near_rest,
     unit_of,
 )
-from stickslip_sym.formula.evaluation.values import (
+from stickslip_sym.formula.evaluation.reference_average import (
     BITS,
     SMALLEST,
     MeanSlope,
@@ -155,7 +155,7 @@ def _looked_at(branches: Branches) -> list[float]:
     for start, end, branch in zip(
         branches.starts, [*branches.starts[1:], math.inf], branches.branches, strict=True
     ):
-        if isinstance(branch, Table):
+        if isinstance(branch, PanelTable):
             edges = [*branch.rows[:, 0], end]
             places += [x for low, high in pairwise(edges) for x in (low, (low + high) / 2)]
         elif start and end < math.inf:
@@ -213,7 +213,7 @@ class _Builder:
             low, high = corner * (1 - _AT_KINK), math.nextafter(corner * (1 + _AT_KINK), math.inf)
             first, last = bisect_left(starts, low), bisect_right(starts, high)
             before, after = branches[first - 1], branches[last - 1]
-            if before is after and isinstance(before, Table):  # a panel ends at the corner
+            if before is after and isinstance(before, PanelTable):  # a panel ends at the corner
                 beyond = before.rows[:, 0] >= corner
                 before, after = (replace(before, rows=before.rows[rows]) for rows in (~beyond, beyond))
             starts[first:last], branches[first - 1 : last] = [low, high], [before, mean, after]
@@ -281,7 +281,11 @@ class _Builder:
         try:
             series = near_rest(expanded(slope, self.point, unit, far=False), self.criterion, unit)
             for decay in self._decays():
-                factor = Series({(0, 0): arb(1)}) if decay is None else expanded(1 / decay, {}, unit, far=False)
+                factor = (
+                    GeneralisedSeries({(0, 0): arb(1)})
+                    if decay is None
+                    else expanded(1 / decay, {}, unit, far=False)
+                )
                 pair = self._written(series * factor, unit, -1, min(edge, self.lowest * 2.0**_STEPS), decay)
                 if pair is not None and (best is None or pair[0] > best[0]):
                     best = pair
@@ -315,7 +319,7 @@ class _Builder:
         return None
 
     def _written(
-        self, series: Series, unit: int, side: int, edge: float, function: Expr | None
+        self, series: GeneralisedSeries, unit: int, side: int, edge: float, function: Expr | None
     ) -> tuple[float, Branch] | None:
         """Return from where, or up to where, a series holds as far as it goes, and the branch."""
         for half in range(8 * _STEPS):
@@ -360,7 +364,7 @@ class _Builder:
                 return i
         return r.size
 
-    def _table(self, start: float, stop: float) -> Table | Unknown:
+    def _table(self, start: float, stop: float) -> PanelTable | Unknown:
         """Fit F by a polynomial in each of some panels, as many as it takes."""
         halves = np.arange(np.floor(2 * np.log2(start)), np.ceil(2 * np.log2(stop)) + 1) / 2
         inside = [*2.0**halves, *self.corners, *(_NEAR_KINK * corner for corner in self.corners)]
@@ -372,7 +376,7 @@ class _Builder:
             if isinstance(panels, Unknown):
                 return panels
             rows += panels
-        return Table(np.array(rows), None if self.decay is None else self.decay.function)
+        return PanelTable(np.array(rows), None if self.decay is None else self.decay.function)
 
     def _fitted(self, r: arb) -> arb:
         """Return F, over what stands before a table."""
@@ -444,7 +448,7 @@ def _sum(power: Expr, variable: Expr, parts: Sequence[tuple[Expr | None, tuple[f
     return Sum(float(power), float(variable), tuple(parts))
 
 
-def _kept(series: Series, x: arb, unit: int, condition: float) -> Powers | None:
+def _kept(series: GeneralisedSeries, x: arb, unit: int, condition: float) -> Powers | None:
     """Return the terms of a series that count at x and below it; None where it is cut too early, or cancels."""
     logarithm = x.log()
     balls = {(e, n): c * x ** (arb(e) / unit) * logarithm**n for (e, n), c in series.terms.items()}

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
+from stickslip_sym.certificates.coq.equilibrium import Slope
 from stickslip_sym.certificates.coq.harmonic import Harmonic
 from stickslip_sym.certificates.coq.integral import Integral
 from stickslip_sym.certificates.coq.printer import Unsupported
-from stickslip_sym.certificates.coq.slope import Slope
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.remedies import Name
 from stickslip_sym.formula.closed_form import ClosedForm

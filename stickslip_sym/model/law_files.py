@@ -13,8 +13,8 @@ from typing import Any
 
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import require_type
-from stickslip_sym.model.content import law_in, law_out
 from stickslip_sym.model.law import FrictionLaw
+from stickslip_sym.model.law_content import law_in, law_out
 from stickslip_sym.output import files
 
 _FORMAT, _VERSION = "stickslip_sym", 2
