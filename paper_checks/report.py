@@ -18,8 +18,8 @@ from stickslip_sym.comparison.compare import Row
 from stickslip_sym.comparison.tradeoff import SPEEDS, tradeoff
 from stickslip_sym.motion.thresholds.theorem import Theorem
 from stickslip_sym.output.drawing import svg_uri
-from stickslip_sym.output.page.render import now, render, versions
-from stickslip_sym.output.tables import duration
+from stickslip_sym.output.page.render import render, versions
+from stickslip_sym.output.tables import duration, now
 
 _POINT = {name: getattr(oscillator(), name) for name in "VNmk"}
 _FORMAT = 3

@@ -28,10 +28,9 @@ from stickslip_sym.motion.thresholds.methods import Reference, find_method
 from stickslip_sym.motion.thresholds.methods import methods as every_method
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, of_oscillator
 from stickslip_sym.motion.thresholds.threshold import Threshold, threshold_at
-from stickslip_sym.output import markup
 from stickslip_sym.output.data import DataResult, TableResult, columns_of
-from stickslip_sym.output.drawing import save
-from stickslip_sym.output.tables import duration, table
+from stickslip_sym.output.shown import Report, views_of
+from stickslip_sym.output.tables import duration
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -131,7 +130,7 @@ def of_threshold(threshold: Threshold[float]) -> dict[str, Any]:
 
 
 @dataclass(frozen=True, repr=False)
-class Comparison(TableResult):
+class Comparison(Report, TableResult):
     """One number at one operating point by several methods; `compare` makes that of a threshold.
 
     Attributes
@@ -154,16 +153,6 @@ class Comparison(TableResult):
         """Return what a method gives, by its name and setting."""
         return lookup("method compared", method, {row.name: row for row in self.rows})
 
-    def _columns(self) -> dict[str, Callable[[Row], str]]:
-        """Return the columns of a table, by their titles."""
-        return {
-            "method": lambda row: row.name,
-            "c in kg/s": lambda row: row.text("value", ".12g"),
-            "relative error": lambda row: row.text("relative_error"),
-            "status": lambda row: row.text("status"),
-            "time": lambda row: row.text("seconds"),
-        }
-
     def plot(self, path: str | Path | None = None) -> "Figure":
         """Draw thresholds over the belt speed, with the last of the methods' that there is, and its point.
 
@@ -181,34 +170,14 @@ class Comparison(TableResult):
         InputError
             If no method gave a threshold, matplotlib is not installed, or the file cannot be written.
         """
-        from stickslip_sym.comparison.plane import figure_of
-
-        found = [row.threshold for row in self.rows if row.threshold is not None]
-        if not found:
-            raise InputError("no method gave a threshold to draw; the reasons are in the rows")
-        figure = figure_of(found[-1])
-        if path is not None:
-            save(figure, Path(path))
-        return figure
+        return views_of(self).plot(self, path, None)
 
     def _table_columns(self) -> dict[str, list[Any]]:
         return columns_of(self.rows, "method", "setting", "value", "relative_error", "status", "seconds", "reason")
 
-    @property
-    def _table(self) -> tuple[list[str], list[list[str]]]:
-        cells = {title: [cell(row) for row in self.rows] for title, cell in self._columns().items()}
-        shown = {title: column for title, column in cells.items() if any(column)}
-        return list(shown), [list(row) for row in zip(*shown.values(), strict=True)]
-
-    def __str__(self) -> str:
-        return table(*self._table)
-
     def __repr__(self) -> str:
         values = sum(row.value is not None for row in self.rows)
         return f"{type(self).__name__}: {self.title}, {len(self.rows)} methods, {values} with a value"
-
-    def _repr_html_(self) -> str:
-        return markup.block(markup.table(*self._table, caption=repr(self)))
 
 
 def compare(

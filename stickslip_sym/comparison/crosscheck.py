@@ -9,7 +9,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from stickslip_sym.comparison.compare import Comparison, Row, measured
+from stickslip_sym.comparison.compare import Comparison, measured
 from stickslip_sym.core.aliases import Mpf
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.core.numbers import Number, exact
@@ -39,14 +39,6 @@ class CrossCheck(Comparison):
 
     remarks: tuple[str, ...] = ()
     reported = ("rows", "remarks")
-
-    def _columns(self) -> dict[str, Callable[[Row], str]]:
-        columns = super()._columns()
-        of_first = {"difference": lambda row: row.text("relative_error", ".2g")}
-        return {name: columns[name] for name in ("method", "c in kg/s")} | of_first | {"time": columns["time"]}
-
-    def __str__(self) -> str:
-        return "\n".join([super().__str__(), *self.remarks])
 
 
 def crosscheck(

@@ -5,33 +5,27 @@ from __future__ import annotations
 import math
 import time
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Literal
 
-import numpy as np
-import sympy as sp
-
 from stickslip_sym.comparison.compare import Row, compare
-from stickslip_sym.comparison.decision import Decision, chance_in_words, rounded, unmeasured_part
-from stickslip_sym.comparison.plane import ABOVE, BAND, Plane, draw_plane, plane
-from stickslip_sym.core import symbols
+from stickslip_sym.comparison.decision import Decision, rounded, unmeasured_part
+from stickslip_sym.comparison.plane import Plane, plane
 from stickslip_sym.core.deadline import require_seconds
 from stickslip_sym.core.deadline import time_limit as limited
 from stickslip_sym.core.errors import InputWarning, StickSlipError
 from stickslip_sym.core.numbers import require_type
 from stickslip_sym.core.progress import StepOfWork, report_steps_to, steps
-from stickslip_sym.core.symbols import QUANTITIES
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.criteria.criterion import catalogue
 from stickslip_sym.formula.closed_form import ClosedForm, derive
 from stickslip_sym.model.fitting.averaged import Averaged
 from stickslip_sym.model.fitting.result import Fit, Fits
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.law_picture import band, draw_law
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.model.oscillator import Oscillator
@@ -39,19 +33,14 @@ from stickslip_sym.motion.margins.margins import Margin, Margins, carried_by, ma
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS
 from stickslip_sym.motion.regimes.regime import Regime, regime
 from stickslip_sym.motion.simulation.simulate import simulate
-from stickslip_sym.motion.simulation.trajectory import Phase, Trajectory
+from stickslip_sym.motion.simulation.trajectory import Trajectory
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.motion.thresholds.uncertainty import Budget
-from stickslip_sym.output import markup, printing
-from stickslip_sym.output.browser import print_to_pdf
 from stickslip_sym.output.data import DataResult
-from stickslip_sym.output.drawing import finish, new_figure, styled, svg_uri
 from stickslip_sym.output.files import write_text
-from stickslip_sym.output.markup import Markup, element
-from stickslip_sym.output.page.render import equation, now, render, with_error
-from stickslip_sym.output.tables import duration
+from stickslip_sym.output.shown import Report, views_of
+from stickslip_sym.output.tables import now
 
-_SHEETS = 2  # of paper
 _PERIODS = 8  # of free vibration, that the motion is shown for
 _EACH = 20.0  # seconds that one part may take
 _RTOL = 1e-10  # of thresholds
@@ -60,23 +49,13 @@ _ROUGH = 1e-4  # of thresholds that are averaged over laws
 _SHARE = 5  # of the time for a part, that one quantity, method or law may take
 _SAMPLES = 200  # for the probability, where a threshold takes less than a millisecond
 
-_REACH = 3.0
+REACH = 3.0
 """Times a value, and its inverse: where margins are sought; no decision turns on those beyond."""
-_DERIVATIVES = "derivatives of the threshold"
-_TEMPLATE = Path(__file__).with_name("study.html")
-_WIDEST = 260  # characters of a formula as text, up to which it fits a sheet when it is set
-_LONGEST = 1500  # characters that are shown at all
-_LONGEST_NAME = 80  # characters of a heading
-_DIGITS = 10  # of a value, at most
-
-Look = dict[str, Any]
-_SIZE = 4.6, 3.1  # inches: two beside each other on a screen and on paper
-_MANY = 2000  # points of the motion over time
-_GROWN = 10.0  # belt speeds up to which a motion is shown in the phase plane
+DERIVATIVES = "derivatives of the threshold"
 
 
 @dataclass(frozen=True, repr=False)
-class Study(DataResult):
+class Study(Report, DataResult):
     """Everything about one operating point, and its page; `study` makes it.
 
     Attributes
@@ -286,23 +265,6 @@ class Study(DataResult):
         carried = self.law.uncertain.get(name) or self.errors.get(name)
         return None if carried is None else carried.std_dev
 
-    @property
-    def _remarks(self) -> dict[str, str]:
-        """What the caption of a figure says of what is not in every one of them."""
-        remarks, regions, motion = dict[str, str](), self.plane, self.motion
-        if regions is not None and np.nanmax(np.abs(regions["exact"] - regions["equilibrium"]), initial=0.0) > 0:
-            remarks["plane"] = (
-                "Hatched: between the threshold and the stability of the equilibrium (dashed) the initial "
-                "condition decides, or a limit cycle in pure slip attracts."
-            )
-        if motion is not None and Phase.STICK in motion.phase:
-            remarks["time"] = "Thick lines are stick."
-        if self.regime is not None and (self.regime.separatrices or not all(c.stable for c in self.regime.cycles)):
-            remarks["phase"] = (
-                "A separatrix, or an unstable cycle, separates the initial conditions of different motions."
-            )
-        return remarks
-
     @cached_property
     def page(self) -> str:
         """The page: HTML that is XML too, needs no script, and refers to nothing elsewhere.
@@ -312,25 +274,7 @@ class Study(DataResult):
         InputError
             If matplotlib, jinja2 or latex2mathml is not installed.
         """
-        title = self.title if len(self.title) <= _LONGEST_NAME else f"{self.title[: _LONGEST_NAME - 1]}…"
-        return render(
-            _TEMPLATE,
-            title=f"Stick–slip study: {title}",
-            study=self,
-            value=lambda name: with_error(self.value(name), self.standard_error(name)),
-            units=QUANTITIES,
-            digits=_digits,
-            duration=duration,
-            reach=_REACH,
-            chance=_chance,
-            derivatives=_DERIVATIVES,
-            figures=list(pictures(self)),
-            remarks=self._remarks,
-            formula=_formula,
-            c=symbols.c,
-            mu=sp.Function("mu")(symbols.v),
-            time=f"{self.time} in {self.seconds:.1f} s",
-        )
+        return views_of(self).page(self)
 
     def save(self, path: str | Path) -> Path:
         """Write the page to a file.
@@ -355,42 +299,11 @@ class Study(DataResult):
             If there is no browser, it cannot print, or the file cannot be written.
         """
         target = Path(path)
-        print_to_pdf(self.page, target, sheets=_SHEETS)
+        views_of(self).print_page(self, target)
         return target
-
-    def __str__(self) -> str:
-        values = {name: self.value(name) for name in ("c", "V", "N", "m", "k")}
-        point = f"{self.law.name or self.law.text}, {symbols.in_words(values, self.defaults)}"
-        headline, *others = self.findings
-        return "\n".join([*(f"warning: {text}" for text in self.warnings), headline, point, *others])
 
     def __repr__(self) -> str:
         return f"Study: {self.headline}"
-
-    def _repr_html_(self) -> str:
-        answers = [[row.name, row.text("value", ".10g")] for row in self.answers]
-        return markup.block(*str(self).splitlines(), markup.table(["method", "c in kg/s"], answers))
-
-
-def _chance(chance: float, least: float) -> Markup:
-    """Return a probability as it is shown everywhere, with all its digits beside."""
-    return element("data", chance_in_words(chance, least), value=repr(float(chance)))
-
-
-def _digits(threshold: Threshold[float]) -> int:
-    """Return the digits of a threshold that its own error leaves."""
-    error = threshold.relative_error
-    return _DIGITS if not error else min(max(1 - math.floor(math.log10(error)), 2), _DIGITS)
-
-
-def _formula(left: sp.Expr, expr: sp.Expr) -> Markup:
-    """Return a formula as it fits a page: set, as text, or its length."""
-    text = printing.text(expr)
-    if len(text) <= _WIDEST:
-        return equation(left, expr)
-    if len(text) <= _LONGEST:
-        return element("code", f"{printing.text(left)} = {text}")
-    return element("p", f"A formula of {len(text)} characters; derive gives it.", class_="note")
 
 
 def study(
@@ -582,7 +495,7 @@ def _margins(subject: _Subject) -> Margins:
     how: dict[str, Any] = {
         "samples": _SAMPLES if quick and subject.fits is None else 0,
         "rtol": _LOOSE,
-        "reach": _REACH,
+        "reach": REACH,
         "each": subject.each,
     }
     if subject.threshold is None:
@@ -628,67 +541,10 @@ _PARTS: dict[str, tuple[str, Callable[[_Subject], Any]]] = {
     "motion": ("motion in time", _motion),
     "plane": ("plane of c over V", _thresholds_over_speed),
     "margins": ("margins", _margins),
-    "sensitivity": (_DERIVATIVES, _sensitivity),
+    "sensitivity": (DERIVATIVES, _sensitivity),
     "nonlinearity": ("second order of its standard error", _nonlinearity),
     "choice": ("choice of law", _choice),
 }
 """Attributes of a study, what they are called, and how they are computed; the first gives the threshold of all."""
 _LIMITED_WITHIN = ("answers", "forms")
 """Parts that say of each method or criterion why it has none, and are never refused as a whole."""
-
-
-# -- pictures: they hold no text of the user's; the name of the law stands on the page ----------------
-
-
-def pictures(study: Study) -> Iterator[tuple[str, str]]:
-    """Yield name and data URI of each figure whose part could be computed; its words are in the template."""
-    figures: dict[str, tuple[Callable[[Any, Study, Any], None], Any]] = {
-        "law": (_law, study.law),
-        "plane": (_plane, study.plane),
-        "time": (_time, study.motion),
-        "phase": (_phase_plane, study.regime),
-    }
-    for name, (draw, part) in figures.items():
-        if part is not None:
-            with styled():
-                figure, axes = new_figure(*_SIZE)
-                draw(axes[0, 0], study, part)
-                yield name, svg_uri(figure)
-
-
-def _law(ax: Any, study: Study, law: FrictionLaw) -> None:
-    V, fit, measured = study.oscillator.V, study.fit, study.measured
-    top = max(2.2 * V, 0.0 if measured is None else float(measured.v[-1]))
-    top = top if law.v_max is None else min(top, float(law.v_max))
-    span: Look = {"facecolor": "0.93", "edgecolor": "0.8", "linewidth": 0.6, "zorder": 0}
-    ax.axvspan(0, min(2 * V, top), label="0 to $2V$", **span)
-    ax.axvline(V, color="black", linestyle=":", linewidth=1, label="belt speed $V$")
-    bounds = fit.band if fit is not None else partial(band, law) if law.uncertain else None
-    draw_law(ax, law, top, measured, bounds, r"$\mu(v)$")
-
-
-def _plane(ax: Any, study: Study, thresholds: Plane) -> None:
-    spread = {name: BAND * (study.standard_error(name) or 0.0) for name in "Vc"}
-    draw_plane(ax, thresholds, study.oscillator, spread)
-
-
-def _time(ax: Any, study: Study, motion: Trajectory) -> None:
-    end = motion.stretches[-1].end
-    motion.draw(ax)
-    ax.axhline(study.oscillator.V, color="black", linestyle=":", linewidth=0.8, zorder=0, label="belt speed")
-    ax.legend(loc="lower right", ncols=2)
-    finish(ax, xlabel="time $t$ (s)", ylabel=r"velocity $\dot x$ (m/s)", xlim=(0, end))
-    low, high = ax.get_ylim()
-    ax.set_ylim(low - 0.22 * (high - low), high)  # for the legend
-
-
-def _phase_plane(ax: Any, study: Study, motions: Regime) -> None:
-    handles = motions.draw(ax)
-    if study.motion is not None:
-        state = study.motion.at(np.linspace(0, study.motion.stretches[-1].end, _MANY))
-        reach = max([_GROWN * study.oscillator.V, *(1.2 * cycle.amplitude for cycle in motions.cycles)])
-        shown = np.logical_and.accumulate(np.abs(state.v) <= reach)
-        line = {"color": "0.7", "linewidth": 0.7, "zorder": 0, "label": "motion over time"}
-        handles += ax.plot(state.x[shown], state.v[shown], **line)
-    finish(ax)
-    ax.legend(handles=handles, **ABOVE)

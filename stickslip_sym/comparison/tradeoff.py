@@ -6,11 +6,9 @@ One more method is one row of the number that it is for.
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import mpmath
@@ -43,13 +41,11 @@ from stickslip_sym.motion.regimes.classification import classify
 from stickslip_sym.motion.simulation.reference import simulate_by_solve_ivp, slip_by_solve_ivp
 from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
-from stickslip_sym.output import drawing, markup
 from stickslip_sym.output.data import TableResult
-from stickslip_sym.output.tables import table
+from stickslip_sym.output.shown import Drawn, Report, views_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 KINDS = ("criterion", "threshold", "basin")
 _DERIVING = 120.0  # seconds of the search for a closed form
@@ -73,12 +69,6 @@ TOLERANCES = (1e-3, 1e-6)
 _SEED = 1  # of the initial conditions
 _REPEATED: Any = {"least": 3, "enough": 0.02}  # runs of what takes less, and their seconds together, at least
 _LARGEST, _SPREAD = "largest error up to V = 1 m/s", "standard error"  # what else is measured
-
-_WIDTH, _HEIGHT = 7.2, 3.5  # inches, of a panel of the picture
-_SMALLEST = 1e-51  # error of a method whose own is less
-_TITLE = 95  # characters of a line above a panel
-_MARKERS = "os^Dv<>"
-_COLORS = ("tab:blue", "tab:red", "tab:green", "tab:purple", "tab:orange", "tab:brown", "tab:olive", "tab:cyan")
 
 
 @dataclass(frozen=True, repr=False)
@@ -106,45 +96,13 @@ class Trade(Comparison):
         }
         return {row.name: tuple(name for name in by.get(row.name, ()) if not by[name]) for row in self.rows}
 
-    def _columns(self) -> dict[str, Callable[[Row], str]]:
-        columns, by = super()._columns(), self.dominators
-        if self.number == "share":
-            columns = {"share" if name == "c in kg/s" else name: cell for name, cell in columns.items()}
-        for name in dict.fromkeys(name for row in self.rows for name in row.further):
-            columns[name] = partial(Row.text, column=name)
-        return columns | {"dominated by": lambda row: "; ".join(by[row.name])}
-
-    def __str__(self) -> str:
-        return f"{self.title}\n\n{table(*self._table)}"
-
     def draw(self, ax: Axes) -> None:
-        """Draw error against time: filled what no other method dominates, and hollow what one does.
-
-        A method has a colour, and its settings have different markers.
-        """
-        by, front = self.dominators, list[tuple[float, float]]()
-        methods = list(dict.fromkeys(row.method for row in self.rows))
-        settings = Counter[str]()
-        for row in (row for row in self.rows if row.value is not None):
-            color = _COLORS[methods.index(row.method) % len(_COLORS)]
-            marker = _MARKERS[settings[row.method] % len(_MARKERS)]
-            settings[row.method] += 1
-            at = row.seconds, max(row.relative_error or 0.0, _SMALLEST)
-            face = "white" if by[row.name] else color
-            ax.plot(*at, marker, color=color, markerfacecolor=face, label=row.name)
-            front += [] if by[row.name] else [at]
-        if front:
-            ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.03), fontsize=8)
-            ax.plot(*np.transpose(sorted(front)), drawstyle="steps-post", color="0.75", lw=1, zorder=0)
-        ax.axhline(2.0**-52, color="0.8", lw=0.8, ls=":", zorder=0)
-        ax.set(xscale="log", yscale="log", xlabel=f"time for one {self.number} (s)", ylabel="relative error")
-        ax.set_title(fill(self.title, _TITLE), fontsize=8)
-        ax.minorticks_off()
-        ax.grid(alpha=0.25)
+        """Draw error against time: filled what no other method dominates, and hollow what one does."""
+        views_of(self).draw(self, ax)
 
 
 @dataclass(frozen=True, repr=False)
-class Tradeoff(drawing.Drawn, TableResult):
+class Tradeoff(Report, Drawn, TableResult):
     """What each method for a number costs, and how far it is off, from one run.
 
     Attributes
@@ -159,10 +117,6 @@ class Tradeoff(drawing.Drawn, TableResult):
     trades: dict[str, Trade]
     refused: dict[str, str] = field(default_factory=dict)
 
-    def __str__(self) -> str:
-        none = [f"{kind}: none: {reason}" for kind, reason in self.refused.items()]
-        return "\n\n".join([*map(str, self.trades.values()), *none])
-
     def _table_columns(self) -> dict[str, list[Any]]:
         columns: dict[str, list[Any]] = {"number": [], **Comparison("", ())._table_columns()}
         for kind, trade in self.trades.items():
@@ -175,17 +129,6 @@ class Tradeoff(drawing.Drawn, TableResult):
         return (
             f"Tradeoff: {', '.join(f'{len(one.rows)} methods for a {kind}' for kind, one in self.trades.items())}"
         )
-
-    def _repr_html_(self) -> str:
-        picture = drawing.picture(self.plot, repr(self))
-        return markup.block(picture, *(markup.Markup(trade._repr_html_()) for trade in self.trades.values()))
-
-    def _figure(self) -> Figure:
-        figure: Figure
-        figure, axes = drawing.new_figure(_WIDTH, _HEIGHT * len(self.trades), len(self.trades))
-        for trade, ax in zip(self.trades.values(), axes[:, 0], strict=True):
-            trade.draw(ax)
-        return figure
 
 
 def tradeoff(

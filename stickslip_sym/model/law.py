@@ -3,6 +3,8 @@
 import copy
 from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Self, SupportsFloat
 
 import sympy as sp
@@ -20,26 +22,25 @@ from stickslip_sym.core.uncertain import UFloat, separated, spread
 from stickslip_sym.core.units import in_si
 from stickslip_sym.model import at_rest
 from stickslip_sym.model.bound import BoundLaw
-from stickslip_sym.model.described import DescribedLaw
 from stickslip_sym.model.expression.dimensions import check_units
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.pieces import rate
 from stickslip_sym.model.expression.reading import as_text, read_formula
 from stickslip_sym.model.expression.slope import slope_of
 from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
-from stickslip_sym.model.measured.from_measurements import MadeOfMeasurements
+from stickslip_sym.model.measured.measurements import Measurements, read_measurements
 from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.model.terms import Term, terms_of
+from stickslip_sym.output import printing
 from stickslip_sym.output.data import DataResult
+from stickslip_sym.output.shown import Shown, views_of
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
-class FrictionLaw(DescribedLaw, MadeOfMeasurements, DataResult):
+class FrictionLaw(Shown, DataResult):
     """A velocity-dependent friction coefficient mu(v), v = abs(x' - V) >= 0.
 
     Parameters
@@ -119,6 +120,74 @@ class FrictionLaw(DescribedLaw, MadeOfMeasurements, DataResult):
         self._uncertain: dict[str, UFloat] = {}
         self._take(table, described)
 
+    @classmethod
+    def from_curve(
+        cls,
+        curve: SampledCurve,
+        *,
+        name: str | None = None,
+        source: str | None = None,
+        validity: str | None = None,
+    ) -> Self:
+        """Return the law that a piecewise cubic is, with its name, its source, and where it holds."""
+        law = cls(0, name=name, source=source, validity=validity)
+        law.expr, law.curve = curve.expr, curve
+        return law
+
+    @classmethod
+    def from_samples(
+        cls,
+        v: Iterable[Number],
+        mu: Iterable[Number],
+        *,
+        extrapolate: bool = False,
+        name: str = "samples",
+        source: str | None = None,
+    ) -> Self:
+        """Return the law through measured points: a piecewise cubic that rises and falls only where they do.
+
+        Parameters
+        ----------
+        v : sequence of 4 to 60 numbers
+            Slip speeds in m/s, ascending, the first one 0 unless `extrapolate`.
+        mu : sequence of as many numbers
+            Coefficients of friction. The first one is mu(0+); a higher static coefficient is no slip speed's.
+        extrapolate : bool
+            Hold the first coefficient down to v = 0, and the last one for all higher speeds. Otherwise
+            speeds beyond the last are errors: a criterion at the belt speed V needs mu up to 2 V.
+        name, source : str, optional
+
+        Warns
+        -----
+        InputWarning
+            If a coefficient is held below the first measured speed.
+
+        References
+        ----------
+        F. N. Fritsch and J. Butland, A method for constructing local monotone piecewise cubic interpolants,
+        SIAM J. Sci. Stat. Comput. 5 (1984), as `scipy.interpolate.PchipInterpolator` has it.
+        """
+        return cls.from_curve(SampledCurve.through(v, mu, extrapolate=extrapolate), name=name, source=source)
+
+    @classmethod
+    def from_csv(
+        cls,
+        path: str | Path | Measurements,
+        *,
+        extrapolate: bool = False,
+        source: str | None = None,
+        name: str | None = None,
+    ) -> Self:
+        """Return the law through the points in a file of measurements, or through what was read of it.
+
+        The file is read as by `read_measurements`; points of one speed are averaged. The law has the file's name
+        unless it is given one. Decimal numbers are taken exactly as they are written. What `from_samples` refuses
+        is refused here.
+        """
+        measured = path if isinstance(path, Measurements) else read_measurements(path)
+        name = name or measured.name or "samples"
+        return cls.from_samples(*measured.points(), extrapolate=extrapolate, name=name, source=source)
+
     def _read_static(self, static: str | float | Expr | None, table: dict[str, Parameter]) -> None:
         self._static_formula = None if static is None else as_text(static)
         formula = self._static_formula
@@ -164,6 +233,34 @@ class FrictionLaw(DescribedLaw, MadeOfMeasurements, DataResult):
         return law
 
     # -- what it is ----------------------------------------------------------------------------------
+
+    @property
+    def text(self) -> str:
+        """The formula as plain text; of measured points, what goes through them."""
+        return printing.text(self.expr) if self.curve is None else str(self.curve)
+
+    @property
+    def parameters(self) -> Mapping[str, Parameter]:
+        """The law's parameters by name; read-only."""
+        return MappingProxyType(self._parameters)
+
+    @property
+    def values(self) -> Mapping[str, Rational]:
+        """The bound values by name, exact; read-only."""
+        return MappingProxyType(self._values)
+
+    @property
+    def uncertain(self) -> Mapping[str, UFloat]:
+        """The bound values that carry a standard error, with it, by name; read-only."""
+        return MappingProxyType(self._uncertain)
+
+    @property
+    def missing(self) -> list[str]:
+        """Names of the parameters that have no value yet."""
+        return [key for key in self._parameters if key not in self._values]
+
+    def _label(self) -> str:
+        return f"the law {self.name!r}" if self.name else "the law"
 
     @property
     def terms(self) -> tuple[Term, ...]:
@@ -339,7 +436,7 @@ class FrictionLaw(DescribedLaw, MadeOfMeasurements, DataResult):
         """Return where each smooth piece of mu begins, and mu(v) - mu(0+) on it, as `BoundLaw.rises`."""
         return list(self.kinetic.rises)
 
-    def plot(self, path: "str | Path | None" = None, *, v_max: float = 1.0, ax: "Axes | None" = None) -> "Figure":
+    def plot(self, path: str | Path | None = None, *, v_max: float = 1.0, ax: "Axes | None" = None) -> "Figure":
         """Draw mu over the slip speed, with the 95 % band of values that carry standard errors.
 
         Parameters
@@ -361,10 +458,13 @@ class FrictionLaw(DescribedLaw, MadeOfMeasurements, DataResult):
             If a parameter has no value (`typical` gives each a usual one), `v_max` is not positive, matplotlib is
             not installed, or the file cannot be written.
         """
-        from stickslip_sym.model.law_picture import figure_of_law
+        return views_of(self).plot(self, path, ax, v_max=v_max)
 
-        self.require_values()
-        return figure_of_law(self, v_max, path, ax)
+    def _repr_latex_(self) -> str:
+        return views_of(self).latex(self)
+
+    def __repr__(self) -> str:
+        return views_of(self).line(self)
 
     # -- comparing ----------------------------------------------------------------------
 

@@ -15,12 +15,12 @@ from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.parsing import NAME
 from stickslip_sym.model.expression.reading import require_evaluation
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.output import markup, printing
+from stickslip_sym.output.shown import Shown
 
 __all__ = ["Catalogue", "as_law", "laws"]
 
 
-class Catalogue(UserDict[str, FrictionLaw]):
+class Catalogue(Shown, UserDict[str, FrictionLaw]):
     """Friction laws by name, also as attributes; each is read when it is first asked for."""
 
     data: dict[str, Any]
@@ -47,13 +47,6 @@ class Catalogue(UserDict[str, FrictionLaw]):
     def catalogue(self) -> Self:
         """The catalogue itself, as a mapping."""
         return self
-
-    def _repr_html_(self) -> str:
-        rows = [
-            [name, markup.formula(f"\\mu(v) = {printing.latex(law.expr)}"), law.source or ""]
-            for name, law in self.items()
-        ]
-        return markup.block(markup.table(["law", "coefficient of friction", "source"], rows))
 
     def find(self, name: str) -> FrictionLaw:
         """Return a law by its name; for another name the refusal suggests the closest one."""

@@ -1,9 +1,10 @@
-"""Plain text tables, no wider than a page, and durations."""
+"""Plain text tables, no wider than a page, durations and the time."""
 
 import re
 import shutil
 import sys
 from collections.abc import Sequence
+from datetime import UTC, datetime
 from textwrap import wrap
 
 WIDTH = 80  # characters of a line, where there is no terminal that is wider
@@ -67,3 +68,8 @@ def duration(seconds: float) -> str:
         if seconds >= size:
             return f"{seconds / size:.3g} {unit}"
     return f"{seconds / 1e-9:.3g} ns"
+
+
+def now() -> str:
+    """Return the time as pages and studies have it."""
+    return f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC"

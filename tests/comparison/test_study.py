@@ -10,13 +10,13 @@ import pytest
 from pages import XHTML, check_well_formed, look_at
 
 import stickslip_sym as ss
-from stickslip_sym.comparison import study as studies
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.motion.margins import critical
 from stickslip_sym.motion.thresholds import methods
 from stickslip_sym.motion.thresholds.methods import evaluate
 from stickslip_sym.motion.thresholds.threshold import Threshold
 from stickslip_sym.output import browser
+from stickslip_sym.views import study_page
 
 OSC = ss.Oscillator(m=1, k=100, c=2, V=0.5, N=9.81)
 PARTS = ["headline", "verdict", "thresholds", "law", "sensitivities", "margins", "formulas", "assumed", "versions"]
@@ -42,7 +42,7 @@ def studied(seed):
 
 def drawn_without(study, monkeypatch):
     """The page of a study without its figures, which take a second."""
-    monkeypatch.setattr(studies, "pictures", lambda study: [])
+    monkeypatch.setattr(study_page, "pictures", lambda study: [])
     return replace(study).page
 
 

@@ -22,7 +22,7 @@ from stickslip_sym.model import samples
 from stickslip_sym.motion.orbits import damping
 
 PACKAGE = Path(ss.__file__).parent
-ELSEWHERE = {"formula", "closed_forms.py", "harmonic.py", "law_picture.py", "derivations.py"}
+ELSEWHERE = {"formula", "closed_forms.py", "harmonic.py", "views", "derivations.py"}
 """Folders and files whose advice other tests carry out."""
 LAW = ss.laws.exponential.typical()
 OSC = ss.Oscillator(m=1, k=100, c=2.3, V=0.5, N=9.81)

@@ -16,12 +16,12 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import SAME
 from stickslip_sym.core.progress import report_counts_to, steps
 from stickslip_sym.core.remedies import AnySign, Argument, ParameterValues
+from stickslip_sym.model.error_band import NORMAL
 from stickslip_sym.model.fitting.lack_of_fit import chance_of_residuals, polynomials_of_rank
 from stickslip_sym.model.fitting.least_squares import Minimum, Problem
 from stickslip_sym.model.fitting.result import Fit, Fits
 from stickslip_sym.model.fitting.weights import rounding_variance
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.law_picture import NORMAL
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.laws import laws as catalogue
 from stickslip_sym.model.measured.measurements import Measurements

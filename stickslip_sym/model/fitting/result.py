@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, SupportsIndex, overload
+from typing import Any, SupportsIndex, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,23 +18,16 @@ from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.core.names import lookup
 from stickslip_sym.core.numbers import read_array, real
-from stickslip_sym.core.uncertain import interval, with_error
+from stickslip_sym.core.uncertain import with_error
+from stickslip_sym.model.error_band import error_band
 from stickslip_sym.model.fitting.averaged import Averaged, ByLaw
 from stickslip_sym.model.fitting.least_squares import Problem
-from stickslip_sym.model.fitting.weights import RANKED, RATHER, speeds_that_count, weigh
+from stickslip_sym.model.fitting.weights import RATHER, speeds_that_count, weigh
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.law_picture import band, draw_law
 from stickslip_sym.model.measured.measurements import Measurements
-from stickslip_sym.output import markup
 from stickslip_sym.output.content import content
 from stickslip_sym.output.data import DataResult, TableResult, columns_of
-from stickslip_sym.output.drawing import BLUE, Drawn, finish, new_figure, picture
-from stickslip_sym.output.report import Report, Rows
-
-if TYPE_CHECKING:
-    from matplotlib.artist import Artist
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+from stickslip_sym.output.shown import Drawn, Report
 
 _USUAL = 0.95  # probability of an interval
 _SEARCHED = 64.0  # half widths by standard errors, within which the end of an interval is sought
@@ -50,10 +43,6 @@ class _Report(Report, Drawn):
     def to_json(self) -> str:
         """Return all that is said as JSON."""
         return json.dumps(content(self), indent=2, ensure_ascii=False, allow_nan=False)
-
-    def _repr_html_(self) -> str:
-        parts = markup.Markup(super()._repr_html_())
-        return markup.block(parts, picture(self._figure, "measured friction and the fitted law"))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -253,26 +242,13 @@ class Fit(_Report, DataResult):
     def band(self, v: ArrayLike, level: float = 0.95) -> tuple[FloatArray, FloatArray]:
         """Return the lower and upper end of the interval that holds the true mu at each speed, to first order."""
         speeds = np.asarray(read_array("v", v), np.float64)
-        return band(self.law.bind(**self.uncertain), speeds, self._quantile(level))
+        return error_band(self.law.bind(**self.uncertain), speeds, self._quantile(level))
 
     def _quantile(self, level: float) -> float:
         if not 0 < real("level", level) < 1:
             raise InputError(f"level = {level:g} is no probability between 0 and 1; 0.95 is usual")
         above = (1 + level) / 2
         return float(ndtri(above) if self.measured.sigma is not None else stdtrit(self.dof, above))
-
-    def _parts(self) -> list[str | Rows]:
-        rows = []
-        for name, (low, high) in self.confidence().items():
-            value = with_error(self.values[name], self.standard_errors[name])
-            rows.append([name, value, interval(low, high), self.law.parameters[name].unit or ""])
-        about = f"residual standard deviation {self.sigma:.3g}, AICc {self.aicc:.6g}, weight {self.weight:.2g}"
-        about += f"; {self.noise}" * bool(self.noise)
-        if self.measured.branches is not None and self.measured.branches.differ:
-            about += "; the law is that of the mean of rising and falling branches"
-        law = f"{f'{self.name}: ' if self.law.name else ''}mu(v) = {self.law.text}"
-        header = ["parameter", "value", "95 % interval", "unit"]
-        return [law, (header, rows), about, *(f"warning: {text}" for text in self.warnings)]
 
     def __repr__(self) -> str:
         return f"Fit: {self.name}, {self.values_in_words}"
@@ -282,21 +258,6 @@ class Fit(_Report, DataResult):
         """The fitted parameters with their standard errors, in a line."""
         pairs = zip(self.values.items(), self.standard_errors.values(), strict=True)
         return ", ".join(f"{name} = {with_error(value, error).replace(' ', '')}" for (name, value), error in pairs)
-
-    def draw(self, ax: "Axes") -> "Sequence[Artist]":
-        """Draw the law with its band and the measured points in a panel, and return the handles of its legend."""
-        draw_law(ax, self.law, float(self.measured.v[-1]), self.measured, self.band, self.name[:60])
-        return [handle for handle in ax.get_legend_handles_labels()[0] if not isinstance(handle, tuple)]
-
-    def _figure(self) -> "Figure":
-        figure: Figure
-        figure, ((above,), (below,)) = new_figure(6.4, 5.0, 2, sharex=True, height_ratios=[3, 1])
-        draw_law(above, self.law, self.measured.v[-1], self.measured, self.band, self.name[:60])
-        self.measured.draw_rows(below, self.residuals)
-        below.axhline(0, color=BLUE, linewidth=1)
-        finish(below, xlabel=above.get_xlabel(), ylabel="residual")
-        above.set_xlabel("")
-        return figure
 
 
 class Fits(_Report, Sequence[Fit], TableResult):
@@ -407,36 +368,8 @@ class Fits(_Report, Sequence[Fit], TableResult):
     def __len__(self) -> int:
         return len(self.fits)
 
-    def _parts(self) -> list[str | Rows]:
-        rows, least = [], min(fit.aicc for fit in self.fits)
-        for fit in self.likely:
-            above = f"{fit.aicc - least:.1f}" if math.isfinite(fit.aicc) else "-"
-            rows.append([fit.name, above, f"{fit.weight:.3f}", f"{fit.sigma:.3g}", fit.values_in_words])
-        parts: list[str | Rows] = [
-            *self.measured.parts(),
-            (["law", "AICc above", "weight", "sigma", "values"], rows),
-        ]
-        if rest := [fit.name for fit in self.fits if fit not in self.likely]:
-            parts.append(f"a hundred times less likely, or more: {', '.join(rest)}")
-        speeds = speeds_that_count(self.measured)
-        if speeds < RANKED:
-            parts.append(f"too few rows to rank laws: {speeds} speeds; measure at {RANKED} speeds or more")
-        parts += [f"warning: {fit.name}: {text}" for fit in self.likely for text in fit.warnings]
-        if others := [fit.name for fit in self.fits if fit.warnings and fit not in self.likely]:
-            parts.append(f"warnings of less likely laws, each printed with its fit: {', '.join(others)}")
-        if self.rejected:
-            parts.append((["not fitted", "because"], [[name, why] for name, why in self.rejected.items()]))
-        return parts
-
     def __repr__(self) -> str:
         return f"Fits: {', '.join(f'{fit.name} ({fit.weight:.2g})' for fit in self.fits)}; {self.measured}"
-
-    def draw(self, ax: "Axes") -> "Sequence[Artist]":
-        """Draw the best fit in a panel, and return the handles of its legend."""
-        return self.best.draw(ax)
-
-    def _figure(self) -> "Figure":
-        return self.best._figure()
 
 
 def _parts_of_error(estimate: Any, fit: Fit) -> tuple[float, float]:

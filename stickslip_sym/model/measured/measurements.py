@@ -7,12 +7,12 @@ from datetime import UTC, datetime
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, Rows
+from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import Number, fraction, read_array, real, require_type
 from stickslip_sym.core.remedies import Argument
@@ -21,14 +21,8 @@ from stickslip_sym.model.measured.blocks import Block, refuse_contradiction
 from stickslip_sym.model.measured.heavy_tails import have_heavy_tails, huber_weights
 from stickslip_sym.model.measured.sweep_branches import SweepBranches, sweep_branches_of
 from stickslip_sym.model.measured.text_table import Table, read_table
-from stickslip_sym.output import markup
 from stickslip_sym.output.data import TableResult
-from stickslip_sym.output.drawing import Drawn, finish, picture
-from stickslip_sym.output.tables import table
-
-if TYPE_CHECKING:
-    from matplotlib.artist import Artist
-    from matplotlib.axes import Axes
+from stickslip_sym.output.shown import Drawn, views_of
 
 _FEW = 0.05  # share of rows with the other sign, up to which they are noise of a small force
 _LARGEST_MU = 5.0  # no dry or lubricated contact comes near it
@@ -43,8 +37,6 @@ _LARGE_TRACK = 1.0  # m; those of tribometers are smaller
 _LARGEST_TRACK = 1000  # m
 _RESOLUTION = 0.01  # of mu: smaller steps are no outliers, however even the other rows are
 _BUILT_UP = 0.1  # of the largest mu, by which rows at rest differ where friction builds up: noise is less
-_SHOWN = 5  # rows of a preview
-_MOST_MARKS = 5000  # in a picture, beyond which they are drawn as an image and not each by itself
 _OTHERS = {"sigma_mu": "sigma", "sigma_F_t": "sigma of F_t", "n": "n"}
 
 
@@ -175,44 +167,7 @@ class Measurements(Drawn, TableResult):
 
     def preview(self) -> str:
         """Return what was read, before anything is computed: columns and units, what was assumed, first rows."""
-        said, rows = self.parts()
-        return f"{said}\n\n{table(*rows)}"
-
-    def parts(self) -> tuple[str, tuple[list[str], list[list[str]]]]:
-        """Return what was read in lines, and the first rows as a table: its header and its cells."""
-        rows = [[f"{value:.6g}" for value in row] for row in zip(*self.columns.values(), strict=True)]
-        left = [["...", *[""] * (len(self.columns) - 1)]] if len(rows) > _SHOWN else []
-        blocks = [f"{block}{'' if block.read else ', not read'}" for block in self.blocks]
-        said = "\n".join(filter(None, [self.understood, self.written, self.source, *blocks]))
-        return said, (["v in m/s", "mu", "sigma"][: len(self.columns)], rows[:_SHOWN] + left)
-
-    def _repr_html_(self) -> str:
-        said, rows = self.parts()
-        text = markup.block(*said.split("\n"), markup.table(*rows))
-        return markup.block(markup.Markup(text), picture(self.plot, "measured friction"))
-
-    def draw(self, ax: "Axes") -> "Sequence[Artist]":
-        """Draw mu of the slip speed in a panel, and return the handles of its legend."""
-        shown = self.draw_rows(ax, self.mu)
-        finish(ax, xlabel="slip speed $v$ (m/s)", ylabel=r"coefficient of friction $\mu$")
-        return shown
-
-    def draw_rows(self, ax: "Axes", y: FloatArray) -> "list[Artist]":
-        """Draw a value for each row with its standard deviation, rising and falling branches apart."""
-        shown, drawn = list["Artist"](), len(self) > _MOST_MARKS
-        if self.sigma is not None:
-            ax.errorbar(
-                self.v, y, self.sigma, fmt="none", ecolor="0.35", elinewidth=0.6, alpha=0.6, rasterized=drawn
-            )
-        kinds: list[tuple[str, str, str, Rows]] = [("measured", ".", "0.35", slice(None))]
-        if self.branches is not None and self.branches.rising:
-            sweep = self.branches.sweep
-            kinds = [("rising speed", "^", "#D55E00", sweep > 0), ("falling speed", "v", "#009E73", sweep < 0)]
-        for label, marker, color, rows in kinds:
-            shown += ax.plot(
-                self.v[rows], y[rows], marker, color=color, markersize=3.5, label=label, rasterized=drawn
-            )
-        return shown
+        return views_of(self).text(self)
 
     @property
     def speeds(self) -> FloatArray:

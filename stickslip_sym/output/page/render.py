@@ -8,7 +8,6 @@ import math
 import platform
 import re
 from contextlib import suppress
-from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -115,8 +114,3 @@ def versions() -> dict[str, str]:
         with suppress(PackageNotFoundError):
             versions[name] = version(name)
     return versions | {"platform": platform.platform(), "machine": platform.machine()}
-
-
-def now() -> str:
-    """Return the time as pages have it."""
-    return f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC"

@@ -33,7 +33,8 @@ from stickslip_sym.model.negative import warn_where_negative
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.averages import resolved_gauss_average
 from stickslip_sym.output.markup import Markup
-from stickslip_sym.output.page.render import now, render
+from stickslip_sym.output.page.render import render
+from stickslip_sym.output.tables import now
 
 _TEMPLATE = Path(__file__).with_name("explorer.html")
 _SCRIPTS = [Path(__file__).with_name(name) for name in ("slip.js", "explorer.js")]
