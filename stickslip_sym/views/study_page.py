@@ -54,7 +54,7 @@ def page_of_study(study: Study) -> str:
         chance=_chance,
         derivatives=DERIVATIVES,
         figures=list(pictures(study)),
-        remarks=_remarks(study),
+        remarks=remarks(study),
         formula=_formula,
         c=symbols.c,
         mu=sp.Function("mu")(symbols.v),
@@ -67,21 +67,21 @@ def print_page_of_study(study: Study, path: Path) -> None:
     print_to_pdf(study.page, path, sheets=_SHEETS)
 
 
-def _remarks(study: Study) -> dict[str, str]:
+def remarks(study: Study) -> dict[str, str]:
     """Return what the caption of a figure says of what is not in every one of them."""
-    remarks, regions, motion, motions = dict[str, str](), study.plane, study.motion, study.regime
+    said, regions, motion, motions = dict[str, str](), study.plane, study.motion, study.regime
     if regions is not None and np.nanmax(np.abs(regions["exact"] - regions["equilibrium"]), initial=0.0) > 0:
-        remarks["plane"] = (
+        said["plane"] = (
             "Hatched: between the threshold and the stability of the equilibrium (dashed) the initial "
             "condition decides, or a limit cycle in pure slip attracts."
         )
     if motion is not None and Phase.STICK in motion.phase:
-        remarks["time"] = "Thick lines are stick."
+        said["time"] = "Thick lines are stick."
     if motions is not None and (motions.separatrices or not all(cycle.stable for cycle in motions.cycles)):
-        remarks["phase"] = (
+        said["phase"] = (
             "A separatrix, or an unstable cycle, separates the initial conditions of different motions."
         )
-    return remarks
+    return said
 
 
 def _chance(chance: float, least: float) -> Markup:

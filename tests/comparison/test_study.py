@@ -299,7 +299,7 @@ def test_a_page_says_one_thing(name, changes, state, headline, monkeypatch):
     assert ("so stick–slip is possible" in text) == sticks
     assert ("There is no stick-slip" in text) == (not sticks and not found.unbounded)
     assert ("without bound" in study.verdict) == ("without bound" in study.headline) == found.unbounded
-    captions = study._remarks
+    captions = study_page.remarks(study)
     assert ("phase" in captions) == bool(found.separatrices or not all(cycle.stable for cycle in found.cycles))
 
 
