@@ -6,6 +6,7 @@ import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.equality import say_the_same
 from stickslip_sym.core.errors import InputError
 
 
@@ -13,10 +14,23 @@ class QuantityResult(NDArrayOperatorsMixin):
     """A result whose attribute `value` is a float or an array.
 
     Sums, products, comparisons and functions of NumPy take the value; ``f"{result:.3f}"`` formats it. Two results
-    are equal where all that they say is equal, as of every other result.
+    are equal where all that they say is equal, as of every other result; a number is equal to the value.
     """
 
     value: Any
+
+    def __eq__(self, other: object) -> Any:
+        if isinstance(other, QuantityResult):
+            return say_the_same(self, other)
+        return self.value == other
+
+    def __ne__(self, other: object) -> Any:
+        if isinstance(other, QuantityResult):
+            return not self == other
+        return self.value != other
+
+    def __hash__(self) -> int:
+        return hash(self.value)
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
         numbers = [each.value if isinstance(each, QuantityResult) else each for each in inputs]

@@ -43,7 +43,7 @@ _ALLOWED = 8.0  # the same over the mean size of the slope, the unit of errors, 
 
 
 @dataclass(frozen=True, eq=False)
-class SlopeAverage(TermSum, DataResult):
+class SlopeAverage(TermSum, DataResult, by_identity=True):
     """The damping coefficient of a criterion, c = -N <mu'(V(1 + s))>_w, as a function over arrays.
 
     Attributes

@@ -4,6 +4,7 @@ from abc import abstractmethod
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from stickslip_sym.core.equality import say_the_same
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.remedies import Call
 from stickslip_sym.output.content import content
@@ -13,7 +14,17 @@ if TYPE_CHECKING:
 
 
 class DataResult:
-    """A result that is handed over as a dictionary."""
+    """A result that is handed over as a dictionary, and equal to another of its class that says the same.
+
+    A class that is made ``by_identity`` holds functions: each of its results is equal to itself alone.
+    """
+
+    def __init_subclass__(cls, by_identity: bool = False, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if by_identity:
+            cls.__eq__ = object.__eq__  # type: ignore[method-assign]
+        elif cls.__eq__ in (object.__eq__, say_the_same):
+            cls.__eq__ = say_the_same  # type: ignore[method-assign]  # which a dataclass keeps
 
     def to_dict(self) -> dict[str, Any]:
         """Return what the result says, as ``--json`` prints it.

@@ -46,7 +46,7 @@ class _Report(Report, Drawn):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Fit(_Report, DataResult):
+class Fit(_Report, DataResult, by_identity=True):
     """A friction law fitted to measurements.
 
     Attributes

@@ -78,7 +78,7 @@ _MEETS = 1e-13  # relative, of the argument at which the orbit that grazes comes
 _FLAT = math.sqrt(SIGNS)  # relative, whose square is nothing: distance of an extremum or an edge, step of Newton's
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Critical(QuantityResult, DataResult):
     """A value of one quantity or parameter at which the given damping is just the pure-slip damping.
 

@@ -115,7 +115,7 @@ class Stretch(DataResult):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Trajectory(TableResult):
+class Trajectory(TableResult, by_identity=True):
     """A motion of the mass.
 
     Attributes

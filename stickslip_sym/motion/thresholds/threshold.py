@@ -56,7 +56,7 @@ OneValue: TypeAlias = float | str
 """A quantity at one operating point."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Threshold(QuantityResult, TableResult, Generic[Value]):
     """A threshold: its value, the method that gave it, and its relative error.
 
