@@ -9,6 +9,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import pytest
 from bytecode import share_bytecode
 from hypothesis import HealthCheck, settings
+from sweeps import outside_samples
 
 # The package is imported where it is used: the first process of a run only shares out tests.
 
@@ -42,6 +43,7 @@ def pytest_addoption(parser):
 def pytest_configure(config):
     share_bytecode()
     config.addinivalue_line("markers", "thorough: takes long, and is left to ``pytest --thorough``")
+    config.addinivalue_line("markers", "sample(count): so many of its cases, and all with ``pytest --thorough``")
     settings.load_profile("thorough" if config.getoption("--thorough") else "default")
     if (fresh := config.getoption("--fresh")) is not None:
         settings.register_profile("fresh", settings(), derandomize=False)
@@ -72,9 +74,10 @@ def pytest_xdist_make_scheduler(config, log):
 def pytest_collection_modifyitems(config, items):
     """Leave what takes long to ``--thorough``; begin with the rest's longest, so that they do not come last."""
     if not config.getoption("--thorough"):
-        long = [item for item in items if item.get_closest_marker("thorough")]
-        config.hook.pytest_deselected(items=long)
-        items[:] = [item for item in items if item not in set(long)]
+        long = {item for item in items if item.get_closest_marker("thorough")}
+        long |= outside_samples([item for item in items if item not in long])
+        config.hook.pytest_deselected(items=list(long))
+        items[:] = [item for item in items if item not in long]
     for item in items if config.getoption("--fresh") is not None else ():
         parameters = item.callspec.params if hasattr(item, "callspec") else {}
         if "seed" in parameters:

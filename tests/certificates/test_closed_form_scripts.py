@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from adversary import EDITS, JUMPS, outcome
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.certificates.closed_forms import CHECKER, certificate_of_forms
@@ -71,6 +71,7 @@ ALWAYS = (0, 2, 3)
 """Places of the laws on whose pages edits are tried by default, a third of the kinds on each."""
 
 
+@sample(2)
 @sweep(("law", "criterion"), LAWS, *ALWAYS)
 def test_every_edit_that_understands_the_page_is_noticed(law, criterion, request):
     """All edits of each kind with --thorough; by default one of a kind, on one page."""
@@ -91,6 +92,7 @@ def test_every_edit_that_understands_the_page_is_noticed(law, criterion, request
     assert len(tried) >= 3
 
 
+@sample(6)
 @pytest.mark.parametrize("name", JUMPS)
 def test_antiderivatives_that_jump_are_noticed_though_c_jumps_with_them(name):
     """The derivative of what is added is 0: only a walk over the expression sees that it is not constant."""

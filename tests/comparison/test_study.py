@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 from pages import XHTML, check_well_formed, look_at
+from sweeps import sample
 
 import stickslip_sym as ss
 from stickslip_sym.model.measured.measurements import Measurements
@@ -281,6 +282,7 @@ DECISIONS = [
 ]  # fmt: skip
 
 
+@sample(4)
 @pytest.mark.parametrize(("name", "changes", "state", "headline"), DECISIONS)
 def test_a_page_says_one_thing(name, changes, state, headline, monkeypatch):
     """What the attractors of a regime are is what the headline, its colour, verdict, notes and captions say."""

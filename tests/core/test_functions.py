@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from flint import acb, arb, arb_series
+from sweeps import sample
 
 import stickslip_sym as ss
 from stickslip_sym.core import balls, functions
@@ -35,6 +36,7 @@ NEW = {
 
 
 @pytest.mark.parametrize("name", NEW)
+@mpmath.workdps(15)
 def test_a_new_function_is_one_row(name, monkeypatch):
     row, value = NEW[name]
     law = "1 + a*{}(2 + v)"
@@ -92,6 +94,7 @@ class Sinc(Removable):
     power_series = staticmethod(lambda x: x.sin() / x)
 
 
+@sample(3)
 @pytest.mark.parametrize("kind", [Langevin, Sinc])
 @pytest.mark.parametrize("order", range(4))
 def test_removable_singularities_keep_digits(kind, order):
@@ -114,6 +117,7 @@ def test_removable_singularities_keep_digits(kind, order):
             assert slope.overlaps(kind.ball(acb(number), acb(order + 1)).real)
 
 
+@sample(1)
 @pytest.mark.parametrize("kind", [Langevin, Sinc])
 def test_the_bound_on_removable_functions_holds(kind):
     """By Cauchy's estimate the power series is cut off: from its size on a circle, here on each arc, in balls."""

@@ -3,7 +3,7 @@
 import mpmath
 import pytest
 import sympy as sp
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.criteria import quadrature
@@ -29,6 +29,7 @@ KNOWN = [
 ]  # fmt: skip
 
 
+@sample(4)
 @pytest.mark.parametrize(("text", "criterion", "V", "exact"), KNOWN)
 def test_values_that_are_known_by_hand(text, criterion, V, exact):
     for digits in (15, 40):
@@ -108,6 +109,7 @@ def test_low_narrow_bumps_have_all_digits(height, width, place):
     assert len(speeds) < 20_000  # ten times as many where no digits are in hand
 
 
+@sample(1)
 @sweep(
     ("sharpness", "V", "digits"),
     [("54", "8.12", 8), ("54", "8.12", 25), ("200", "0.6", 8), ("200", "0.6", 25)], 0, 3,

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 from narrow_laws import SHAPES, narrow_law
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.criteria.criterion import equilibrium, harmonic, least_squares
@@ -22,6 +22,7 @@ ENCLOSED = [shape for shape in SHAPES if not shape.startswith("logarithmic")]
 """The harmonic integral of narrow functions of log(v) is not enclosed, but refused."""
 
 
+@sample(5)
 @pytest.mark.parametrize("shape", ENCLOSED)
 def test_narrow_laws_within_the_stated_error(shape):
     law, V, _ = narrow_law(shape, 3)
@@ -45,6 +46,7 @@ def over_24_decades(name, count):
     return 10.0 ** (-12 + 24 * (np.arange(count) + rng.uniform(size=count)) / count)
 
 
+@sample(10)
 @pytest.mark.parametrize("name", ss.laws)
 def test_the_rule_is_within_its_error_over_24_decades(name):
     law = ss.laws[name].typical()

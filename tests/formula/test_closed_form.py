@@ -9,7 +9,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from derivations import paper
@@ -34,6 +34,7 @@ def test_least_squares_is_the_paper_s(name, label):
     assert "digits at 12 random points" in form.verdict.evidence
 
 
+@sample(3)
 @pytest.mark.parametrize("criterion", ss.criteria.catalogue)
 @pytest.mark.parametrize("name", PAPER)
 def test_agrees_with_the_definition_to_45_digits(name, criterion):
@@ -69,6 +70,7 @@ HARMONIC = ["b*log(1 + v/a)^2", "Piecewise((a + d*v^3, v < b), (a*b/v + d*b*v^2,
 CHECKED = {HARMONIC[1], HARMONIC[3]}  # the others are proved
 
 
+@sample(3)
 @sweep(
     ("text", "criterion"),
     [*((text, "least_squares") for text in LAWS), *((text, "harmonic") for text in HARMONIC)],
@@ -252,6 +254,7 @@ def test_terms_whose_variables_cancel_in_a_sum(formula):
     assert form(V=0.7, N=2.0) == pytest.approx(-2 * ss.FrictionLaw(formula).slope(0.7), rel=1e-13)
 
 
+@sample(1)
 @pytest.mark.parametrize("formula", ["mu_s - q*v**p", "mu_k + q*(1 + v/w)**p", "mu_s - q*v**p + a*v"])
 def test_limits_that_hang_on_a_power_are_open(formula):
     form = ss.derive(formula)

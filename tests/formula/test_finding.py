@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core.lambdify import function_of
@@ -92,7 +92,9 @@ def average(term):
     return harmonic_average(term, u, V)[1]
 
 
+@sample(9)
 @sweep("name", AVERAGED, *(name for name in AVERAGED if name not in SLOW))
+@mpmath.workdps(15)
 def test_a_harmonic_average_is_that_by_quadrature_and_is_proved(name):
     term, speed = drawn(AVERAGED[name], 1), mpmath.mpf("0.8")
     found = average(term)
@@ -107,7 +109,9 @@ def test_a_harmonic_average_is_that_by_quadrature_and_is_proved(name):
         prove_average(term, SLIGHTLY * found, HARMONIC)
 
 
+@sample(14)
 @pytest.mark.parametrize("name", INTEGRATED)
+@mpmath.workdps(15)
 def test_an_antiderivative_grows_by_the_integral(name):
     term, kernel = drawn(INTEGRATED[name], 3), 1 - u
     _, primitive = antiderivative(term, kernel, u)
@@ -153,6 +157,7 @@ POLYNOMIAL = [
 BY_WEIGHTS = [(term, criterion) for term in POLYNOMIAL for criterion in (ss.criteria.least_squares, EARLY)]
 
 
+@sample(2)
 @sweep(("term", "criterion"), BY_WEIGHTS, *(case for case in BY_WEIGHTS[::3] if not case[0].has(sp.log)), ids=str)
 def test_a_polynomial_weight_is_served_too(term, criterion):
     """Also a user's, that is not symmetric; what is found by antiderivatives is proved without them."""
@@ -203,6 +208,7 @@ TAMPERED = {
 }
 
 
+@sample(9)
 @pytest.mark.parametrize("name", TAMPERED)
 def test_nothing_false_is_proved(name):
     with pytest.raises(ValueError, match=r"not known|not integrable|too many"):

@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 from forms import form_of
 from latex_reader import read
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym import Status, symbols
@@ -208,7 +208,9 @@ EACH = [*((FAR[i], "equilibrium") for i in (0, 3, 6, 7, 8)),
         *((text, criterion) for text in [*REST, FAR[-1]] for criterion in ss.criteria.catalogue)]  # fmt: skip
 
 
+@sample(4)
 @sweep(("text", "criterion"), EACH, *EACH[:5], *(EACH[5 + 6 * i + i % 6] for i in range(len(EACH[5:]) // 6)))
+@mpmath.workdps(30)
 def test_limits_are_those_of_the_form(text, criterion):
     """As the form itself at belt speeds near 0 and far out; a limit that is not given is not wrong."""
     form = ss.derive(text, criterion, search=False)
@@ -227,6 +229,7 @@ def test_limits_are_those_of_the_form(text, criterion):
 
 
 @pytest.mark.parametrize("name", ["exponential", "polynomial"])
+@mpmath.workdps(30)
 def test_a_document_names_its_limits(name):
     """The sentences are read back, and their values compared with the criterion far out to that side."""
     form = form_of(name, "least_squares")

@@ -8,7 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core import deadline, symbols
@@ -65,6 +65,7 @@ SENSITIVE = [
 ]  # fmt: skip
 
 
+@sample(3)
 @sweep(("law", "criterion", "parameter"), SENSITIVE, 0, 1, 2, 6, 7, 8)
 def test_a_sensitivity_is_the_quotient_of_differences(law, criterion, parameter):
     law = law if law is CUBIC else ss.laws.catalogue[law].typical()

@@ -6,6 +6,7 @@ import pickle
 
 import numpy as np
 import pytest
+from sweeps import sample
 
 import stickslip_sym as ss
 from stickslip_sym.model import at_rest, bound
@@ -36,6 +37,7 @@ def test_a_bound_law_is_frozen():
             setattr(law, name, None)
 
 
+@sample(10)
 @pytest.mark.parametrize("name", ss.laws)
 def test_numbers_are_those_of_the_law(name):
     law = ss.laws[name].typical()

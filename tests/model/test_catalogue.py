@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from forms import FORMS, LAWS, WITHOUT, form_of
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
@@ -31,6 +31,7 @@ def test_is_described_and_sensible(name):
     assert law.slope(0.0) == pytest.approx(law.slope(1e-12), abs=1e-4, rel=1e-4)
 
 
+@sample(3)
 @sweep(
     ("name", "criterion"), FORMS,
     *[(name, criterion) for name in ("exponential", "logarithmic") for criterion in WITHOUT],

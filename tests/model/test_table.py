@@ -12,6 +12,7 @@ from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from narrow_laws import SHAPES, narrow_law
 from strategies import laws
+from sweeps import sample
 
 import stickslip_sym as ss
 from stickslip_sym.core import balls, symbols
@@ -54,6 +55,7 @@ def deviation(law, table=None):
     return worst
 
 
+@sample(10)
 @pytest.mark.parametrize("name", list(ss.laws.catalogue))
 def test_catalogue_within_enclosures(name):
     assert deviation(getattr(ss.laws, name).typical()) < OFF
@@ -122,6 +124,7 @@ def test_what_cannot_be_tabulated_is_refused():
         _ = ss.laws.exponential.bound.table
 
 
+@sample(5)
 @pytest.mark.parametrize("shape", SHAPES)
 def test_narrow_laws_within_enclosures(shape):
     law, _, relative = narrow_law(shape, 1)
@@ -157,6 +160,7 @@ def test_a_bump_of_a_derivative_is_known_from_its_formula():
     assert table.values(float(between) + np.array([-0.001, 0, 0.001])) == pytest.approx([0.0, 1.0, 0.0], abs=1e-9)
 
 
+@sample(1)
 @pytest.mark.parametrize("bump", ["exp(-((exp(v) - exp({a}))/{w})^2)", "1/(1 + ((sqrt(v) - sqrt({a}))/{w})^2)"])
 def test_a_bump_that_no_formula_tells_is_seen_by_bounds(bump):
     """The argument is no polynomial in v; the bump lies between the nodes."""
@@ -180,6 +184,7 @@ def test_a_law_that_varies_for_ever_is_tabulated_up_to_where_a_motion_comes():
         ss.pure_slip_damping(law, V=300, **point, method="simulation")
 
 
+@sample(4)
 @pytest.mark.parametrize(
     "bump", ["exp(-(log(v/{a})/{w})^2)", "sech(log(v/{a})/{w})", "exp(-((sqrt(v/{a}) - 1)/{w})^2)"]
 )

@@ -6,6 +6,7 @@ import sympy as sp
 from flint import acb, arb
 from hypothesis import given
 from hypothesis import strategies as st
+from sweeps import sample
 
 import stickslip_sym as ss
 from stickslip_sym.core import symbols
@@ -33,6 +34,7 @@ def law_of(text, width):
     return ss.FrictionLaw(text.format(w=repr(width)))
 
 
+@sample(4)
 @pytest.mark.parametrize("text", REMOVABLE)
 @given(width=st.floats(-4, 2).map(lambda p: round(10.0**p, 9)))
 def test_value_and_slope_at_rest_of_laws_whose_terms_are_infinite_there(text, width):
@@ -45,6 +47,7 @@ def test_value_and_slope_at_rest_of_laws_whose_terms_are_infinite_there(text, wi
     assert table.values(v) == pytest.approx(law.slope(0.0) * v, rel=1e-4, abs=1e-10)
 
 
+@sample(4)
 @pytest.mark.parametrize("text", REMOVABLE)
 @given(
     width=st.floats(-2, 1).map(lambda p: round(10.0**p, 4)),

@@ -14,6 +14,8 @@ from stickslip_sym.model.terms import speed_scales
 
 EPSILON = 2.0**-52
 EXPONENTS = ("delta",)
+DIGITS = 30
+"""Of differences from references, whatever mpmath's precision is: more than the references have."""
 
 MOST_UNITS = 16  # for every law with a closed form
 MOST_UNITS_OF_THE_PAPER = 4  # for the two laws of the paper
@@ -89,7 +91,8 @@ def units(form, columns, values, exact=None):
         elif unit < 2.0**-1022 * EPSILON:  # the truth is subnormal: a bit of it is all there is
             errors.append(0.0 if abs(value) <= 2.0**-1021 else np.inf)
         else:
-            errors.append(float(abs(mpmath.mpf(float(value)) - right) / unit))
+            with mpmath.workdps(DIGITS):
+                errors.append(float(abs(mpmath.mpf(float(value)) - right) / unit))
     return np.array(errors)
 
 

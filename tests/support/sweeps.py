@@ -16,6 +16,24 @@ def sweep(names, cases, *always, **options):
     return pytest.mark.parametrize(names, marked, **options)
 
 
+def sample(count):
+    """Take so many cases of a test, at even distances; with ``--thorough`` all. It stands above the cases."""
+    return pytest.mark.sample(count)
+
+
+def outside_samples(items):
+    """Return the tests that no sample takes: the others of each test function that is sampled."""
+    functions = {}
+    for item in items:
+        if item.get_closest_marker("sample"):
+            functions.setdefault(item.function, []).append(item)
+    left = set()
+    for function, cases in functions.items():
+        count = next(mark.args[0] for mark in function.pytestmark if mark.name == "sample")
+        left.update(set(cases) - {cases[len(cases) * number // count] for number in range(count)})
+    return left
+
+
 def fewer(examples):
     """Take so many examples of a property that is dear; with ``--thorough`` as many as of any."""
     usual = settings().max_examples

@@ -104,6 +104,7 @@ def check_rates():
         assert 1 - side * w == pytest.approx(v / (osc.length * osc.omega), rel=1e-12)
 
 
+@mpmath.workdps(15)
 def check_terms():
     """A criterion as the sum of the averages of the law's profiles, each by its definition."""
     law, V, N = ss.laws.exponential_viscous.typical(), mpmath.mpf("0.4"), 3

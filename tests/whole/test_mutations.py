@@ -15,7 +15,7 @@ from types import SimpleNamespace
 
 import pytest
 import sympy as sp
-from sweeps import sweep
+from sweeps import sample, sweep
 
 from derivations import paper
 from paper_checks import check_figures, check_numbers, computed, proved
@@ -173,6 +173,7 @@ def by_collocation(point, guess, error, rtol):
     return SimpleNamespace(enclosure=Enclosure.of(guess * (1 - rtol / 2), guess * (1 + rtol / 2)))
 
 
+@sample(4)
 @sweep("claim", CLAIMS, *BY_DEFAULT)
 def test_a_mutation_changes_the_verdict(claim, monkeypatch):
     if claim in OVER_SPEEDS:
@@ -255,6 +256,7 @@ def test_stand_in_for_the_scan_changes_nothing(monkeypatch):
     assert CHECKS["N2"](PRINTED["N2"]).outcome is CLAIMS["N2"].outcome
 
 
+@sample(2)
 @pytest.mark.usefixtures("_fresh")
 @sweep(("name", "wrap", "claims"), MUTANTS, *(one for one in MUTANTS if one[0] in IN_A_SECOND))
 def test_a_wrong_package_changes_verdicts(monkeypatch, name, wrap, claims):

@@ -16,7 +16,7 @@ import pytest
 import sympy as sp
 from accuracy import MOST_UNITS, MOST_UNITS_BY_BALLS, MOST_UNITS_OF_THE_PAPER, by_definition
 from forms import FORMS, NO_HARMONIC, NO_LEAST_SQUARES, form_of
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from derivations import paper
@@ -38,6 +38,7 @@ KINDS = [
 AT_ONE_POINT = [(name, "equilibrium") for name in ("exponential", "gaussian", "lorentzian", "tanh", "polynomial")]
 
 
+@sample(10)
 @pytest.mark.parametrize("regime", ["middle", "small", "large"])
 @sweep(("name", "criterion"), [*FORMS, *AT_ONE_POINT], *KINDS)
 def test_over_all_decades(name, criterion, regime):
@@ -81,6 +82,7 @@ def test_the_exponential_law_where_its_branches_meet():
     [(*law, criterion) for law in (("exponential", "alpha", -1), ("polynomial", "v_m", 1)) for criterion in BOTH],
     1, 2,
 )  # fmt: skip
+@mpmath.workdps(30)
 def test_over_six_hundred_decades(name, scale, power, criterion):
     """First a product of three extreme numbers, which may be out of range where the damping is not."""
     form, rng = form_of(name, criterion), np.random.default_rng(17)
@@ -143,6 +145,7 @@ SOME = [(ROOTS[0], "harmonic"), (ROOTS[1], "least_squares"),
         ("log(1 + v)", "harmonic")]  # fmt: skip
 
 
+@sample(4)
 @sweep(("text", "criterion"), list(product([*PROFILES, *ROOTS], BOTH)), *SOME, ids=str)
 def test_every_branch_over_its_whole_range(text, criterion):
     """Also near its ends, and far beyond all scales; a number has the same digits in an array."""
@@ -185,6 +188,7 @@ CASES += [(ss.laws.catalogue[name].typical(), "harmonic") for name in sorted(NO_
 CASES += [(ss.laws.catalogue[name].typical(), "least_squares") for name in sorted(NO_LEAST_SQUARES)]
 
 
+@sample(3)
 @sweep("case", range(len(CASES)), 1, 6, 12, 15, 16, 22)
 def test_laws_of_any_shape(case):
     """Kinks, jumps and waves; parameters of any sign; laws without a closed form."""
@@ -223,6 +227,7 @@ def cancelling(text):
     return ss.slope_average(ss.FrictionLaw(text)), columns
 
 
+@sample(4)
 @pytest.mark.parametrize("text", [*CANCELLING, *HIDING])
 def test_a_call_near_where_terms_cancel(text):
     average, columns = cancelling(text)

@@ -10,7 +10,7 @@ import accuracy
 import mpmath
 import numpy as np
 import pytest
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.formula.evaluation.branches import Branches, Sum
@@ -90,6 +90,7 @@ def test_branches_of_the_catalogue_hold_at_their_ends(name, criterion):
     assert errors(ss.laws[name].typical(), criterion) <= accuracy.MOST_UNITS
 
 
+@sample(1)
 @sweep("seed", range(100), 3, 41)
 def test_branches_of_random_laws_hold_at_their_ends(seed):
     criterion = list(ss.criteria.catalogue)[seed % 3]
@@ -102,6 +103,7 @@ CLOSE_TO_REST = [
 ]  # fmt: skip
 
 
+@sample(1)
 @sweep(("text", "criterion"), CLOSE_TO_REST, 0, 3)
 def test_what_vanishes_at_rest_has_all_its_digits_there(text, criterion):
     """Relative to the value itself, down to V over the scale of 1e-20; exported code is the call."""
@@ -147,6 +149,7 @@ REMOVABLE = [
 ]  # fmt: skip
 
 
+@sample(2)
 @sweep(("text", "values"), REMOVABLE, 0, 1, 3, 4)
 def test_where_parameters_meet_a_form_has_the_value_of_its_definition(text, values):
     """Alone, to many digits, and beside an element that is nothing special."""
@@ -157,6 +160,7 @@ def test_where_parameters_meet_a_form_has_the_value_of_its_definition(text, valu
     assert [float(value) for value in got] == pytest.approx([right] * 3, rel=1e-14)
 
 
+@sample(5)
 @pytest.mark.parametrize("criterion", ["equilibrium", "least_squares", "harmonic"])
 @pytest.mark.parametrize(
     "text",

@@ -13,7 +13,7 @@ from accuracy import MOST_UNITS
 from commands import stickslip
 from forms import NO_LEAST_SQUARES, agrees, form_of
 from languages import PROGRAMS, compiled, runs, values_of
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core.special import Lerch
@@ -184,6 +184,7 @@ ODD = {"np": 0.5, "float": 0.3, "zip": 2.0, "M_PI": 0.2, "NAN": 0.1, "typeof": 0
 """Names of parameters that a language keeps, and their values."""
 
 
+@sample(2)
 @pytest.mark.parametrize("language", PROGRAMS)
 def test_several_criteria_in_one_file(language, tmp_path):
     if not runs(language):

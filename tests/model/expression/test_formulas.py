@@ -208,6 +208,7 @@ def test_sympy_gives_the_law_of_the_text():
         assert ss.FrictionLaw(expr).expr == ss.FrictionLaw(text).expr
 
 
+@mpmath.workdps(15)
 def test_numbers_under_roots_are_not_expanded():
     law = ss.FrictionLaw("0.12 + 0.3*exp(-(v/0.0788816)^1.4144337)")
     sizes = fold(law.expr, lambda node, parts: max(parts, default=0) if parts else len(str(node)))

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 from operating_points import TWO, laws_in_pieces
+from sweeps import sample
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
@@ -51,6 +52,7 @@ def cell(found, row, column):
     return law, ss.Oscillator(**values)
 
 
+@sample(5)
 @pytest.mark.parametrize("name", PLANES)
 def test_cells_are_what_following_motions_gives(name):
     law, request = PLANES[name]

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from operating_points import smooth_points
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 
@@ -72,6 +72,7 @@ PIECES = {
 }
 
 
+@sample(3)
 @pytest.mark.parametrize("name", PIECES)
 def test_laws_that_are_not_smooth_by_simulation(name):
     law, of, c, changes, within = PIECES[name]

@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 from operating_points import TWO, paper_oscillator
+from sweeps import sample
 
 import stickslip_sym as ss
 from stickslip_sym import Motion, Phase
@@ -80,6 +81,7 @@ SETTLED = [
 """Dampings away from the boundaries, so that 150 periods settle the motion."""
 
 
+@sample(3)
 @pytest.mark.parametrize(("law", "c"), SETTLED)
 def test_classification_is_what_a_simulation_comes_to(law, c):
     osc = paper_oscillator(c)
@@ -278,6 +280,7 @@ def test_the_relaxation_cycle_of_a_regularised_law(width, period):
     assert cycle.period == pytest.approx(plain.period, rel=1e-4)
 
 
+@sample(1)
 @pytest.mark.parametrize("width", [1e-8, 1e-10])
 def test_a_cycle_within_a_layer_at_rest(width):
     """Between d(1) = 0.087 and 0.1177 the cycle lies in the layer, however thin that is."""

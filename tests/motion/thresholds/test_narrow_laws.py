@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from narrow_laws import SHAPES, narrow_law, parted
 from parted_slip import lies_between
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 
@@ -15,6 +15,7 @@ METHODS = ["auto", "simulation", "orbit", "second_order"]
 WEAK = 1e-4  # N/(V sqrt(k m)): the threshold is that of the harmonic criterion up to the square of it
 
 
+@sample(6)
 @sweep(
     ("shape", "seed", "method"),
     [(*law, method) for law in NARROW for method in METHODS],

@@ -11,7 +11,7 @@ import sympy as sp
 from flint import arb
 from scipy.integrate import solve_ivp
 from strategies import nested
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core.precision import working_precision
@@ -245,6 +245,7 @@ def test_a_coefficient_with_a_limit_at_rest_only_is_refused_in_words(formula):
 CONTINUOUS = ("0.6 - 0.1*Min(v, {0})", "Max(0.2, 1 - v/{0})", "0.3 + Abs(v - {0})", "Max(exp(-v/{0}), 0.3)")
 
 
+@sample(3)
 @pytest.mark.parametrize("seed", range(8))
 def test_kinks_in_several_factors_are_no_jumps(seed):
     """Whichever comes first, and where they come at one speed; a jump among them is seen."""

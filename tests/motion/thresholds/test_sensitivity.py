@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from operating_points import SMOOTH, smooth_points
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.motion.thresholds.grazing import grazing_sensitivity
@@ -68,6 +68,7 @@ def test_jumps_that_are_touched_or_at_the_belt_speed(V, N):
     assert error_along(law, point, "simulation", 7, 1e-4, 1e-10) < 1e-7
 
 
+@sample(3)
 @pytest.mark.parametrize("name", ["smooth", "kink", "down", "up", "static", "points"])
 def test_simulation_against_differences(name):
     """With a kink, a jump down that is crossed, one up at which the mass slides, a static jump, and points."""
@@ -94,6 +95,7 @@ AVERAGED = [
 ]
 
 
+@sample(1)
 @sweep(("text", "criterion"), AVERAGED, AVERAGED[2], AVERAGED[4])
 def test_averages_against_differences_of_quadratures(text, criterion):
     """With 24 digits, whose differences have 12."""
@@ -114,6 +116,7 @@ def test_averages_against_differences_of_quadratures(text, criterion):
         assert found[name] == pytest.approx(difference, rel=1e-10, abs=1e-11), name
 
 
+@sample(2)
 @pytest.mark.parametrize("criterion", ["least_squares", "harmonic"])
 @pytest.mark.parametrize("delta", [7, 60])
 def test_averages_of_a_steep_fall(delta, criterion):

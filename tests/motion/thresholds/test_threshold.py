@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from operating_points import laws_in_pieces, paper_oscillator
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 
@@ -229,6 +229,7 @@ def test_a_jump_at_the_speed_of_the_belt():
     assert (cycles[0] is None, cycles[1] is None) == (False, True)
 
 
+@sample(1)
 @pytest.mark.parametrize(("V", "value"), [(0.5, 0.608019865), (0.1, -2.523740298)])
 def test_a_law_that_rises_from_rest_more_slowly_than_every_power(V, value):
     """Savkoor's, whose table goes down to 1e-40 m/s: its narrow pieces there are no places to stop at."""
