@@ -180,7 +180,7 @@ CHECKS = {
     "(q - s x)' = -x - s (s - K) x >= 0    where    K >= s + 1/s.": check_creeping,
     "c = N sum_i amplitude_i/scale_i F_i(V/scale_i).": check_terms,
     "D' = (div f) D + (1 - side w) dw'/dp,    div f = -eta V mu'(V w) - 2 zeta.": check_wedge,
-    "dr/dp = dw'/dp - D/r,    dgap/dp = (dr_f/dp)/r_f - (dr_b/dp)/r_b.": check_gap,
+    "dr/dp = dw'/dp - D/r,    dg/dp = (dr_f/dp)/r_f - (dr_b/dp)/r_b.": check_gap,
     "c = N <-mu'(V(1 + s))>_w = -N * integral_{-1}^{1} w(s) mu'(V(1 + s)) ds,    integral of w = 1.":
         check_slope_average,
     "z'' + (d - g(z)) z' + z = 0,    g(z) = -N mu'(V(1 - z))/sqrt(k m),    d = c/sqrt(k m).": check_lienard,
