@@ -37,8 +37,9 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law, laws
 from stickslip_sym.model.same_shape import law_of_same_shape
 from stickslip_sym.model.terms import Term, shapes_of
-from stickslip_sym.output import markup, printing
+from stickslip_sym.output import printing
 from stickslip_sym.output.notation import check_known, notation_of
+from stickslip_sym.output.shown import Shown, views_of
 from stickslip_sym.output.text_printer import is_decimal
 
 _MOST_DIGITS = 6
@@ -52,7 +53,7 @@ _LINEAR = "a criterion is linear in mu, and a change of the unit of speed scales
 
 
 @dataclass(frozen=True, eq=False)
-class ClosedForm(SlopeAverage):
+class ClosedForm(Shown, SlopeAverage):
     """The damping coefficient of a criterion as a formula.
 
     It holds the terms of a law, and no formula: expression, call, LaTeX, code and verdict are made from the
@@ -458,12 +459,8 @@ class ClosedForm(SlopeAverage):
         """What it is, of which law, and its formula, in lines for a comment."""
         return f"{super().described}\nc = {printing.text(self.expr)}"
 
-    def _repr_html_(self) -> str:
-        where = f"{self.law.name or self.law.text}, {self.criterion.name}: damping coefficient in kg/s"
-        return markup.block(where, markup.formula(f"\\displaystyle {self.latex()}"), str(self.verdict))
-
     def _repr_latex_(self) -> str:
-        return f"$\\displaystyle {self.latex()}$"
+        return views_of(self).latex(self)
 
     def __repr__(self) -> str:
         return f"{super().__repr__()}, {self.verdict.status.value}"

@@ -3,7 +3,6 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from textwrap import shorten
 
 import sympy as sp
 
@@ -12,13 +11,12 @@ from stickslip_sym.core.status import Status
 from stickslip_sym.core.symbols import QUANTITIES, V, v
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal, prove_positive
 from stickslip_sym.formula.proof.theorems import By
-from stickslip_sym.output import markup, printing
+from stickslip_sym.output import printing
 from stickslip_sym.output.abbreviation import equation
 from stickslip_sym.output.data import DataResult
 from stickslip_sym.output.layout import prose
 from stickslip_sym.output.notation import distinct_notation, notation_of
-
-_LONGEST = 200  # characters of a result in a line of text
+from stickslip_sym.output.shown import Shown, views_of
 
 
 @dataclass(frozen=True)
@@ -62,16 +60,14 @@ class Step(DataResult):
     meanings: tuple[Mapping[Expr, Expr], ...] = ()
 
     def __repr__(self) -> str:
-        label = f" {self.label}" if self.label else ""
-        result = shorten(printing.text(self.statement), _LONGEST, placeholder=" ...")
-        return f"Step{label}: {self.operation}: {result}, {self.verdict.status.value}"
+        return views_of(self).line(self)
 
     def _repr_latex_(self) -> str:
-        return f"$\\displaystyle {printing.latex(self.statement)}$"
+        return views_of(self).latex(self)
 
 
 @dataclass
-class Derivation(DataResult):
+class Derivation(Shown, DataResult):
     """A chain of proved steps from what is given to a result.
 
     Attributes
@@ -151,7 +147,7 @@ class Derivation(DataResult):
         # Parameters of a law are no words of these sentences: an a is an article.
         known = notation_of(QUANTITIES) | {"mu": r"\mu"}
         known |= {name: latex for name, latex in (names or {}).items() if name in known}
-        names = self._names(names)
+        names = self.notation(names)
         title = _words(self.title, [step.statement for step in self.steps[:1]], known, names)
         parts = [f"\\paragraph{{{heading or title}.}}"]
         for step in self.steps:
@@ -170,30 +166,13 @@ class Derivation(DataResult):
             parts.append(f"{words[0].upper()}{words[1:]}{units}.\n{shown}\n% {step.verdict.status.value}")
         return "\n\n".join(parts) + "\n"
 
-    def _names(self, given: Mapping[str, str] | None = None) -> dict[str, str]:
+    def notation(self, given: Mapping[str, str] | None = None) -> dict[str, str]:
         """Return the LaTeX of every symbol, the same in all steps."""
         symbols = {symbol for step in self.steps for symbol in step.statement.atoms(sp.Symbol)}
         return distinct_notation((symbol.name for symbol in symbols if not symbol.is_Dummy), given or {})
 
-    def _repr_html_(self) -> str:
-        names = self._names()
-        rows = [
-            [
-                f"{number} {step.label}".strip(),
-                step.operation,
-                step.reason,
-                markup.formula(f"\\displaystyle {printing.latex(step.statement, names)}"),
-                str(step.verdict),
-            ]
-            for number, step in enumerate(self.steps, 1)
-        ]
-        header = ["step", "what is done", "because", "result", "verdict"]
-        return markup.table(header, rows, caption=f"{self.title} [{self.status.value}]")
-
     def _repr_latex_(self) -> str:
-        names = self._names()
-        rows = " \\\\\n".join(printing.latex(step.statement, names).replace("=", "&=", 1) for step in self.steps)
-        return f"$$\\begin{{aligned}}\n{rows}\n\\end{{aligned}}$$"
+        return views_of(self).latex(self)
 
     def __repr__(self) -> str:
         return f"Derivation: {self.name}, {len(self.steps)} steps, {self.status.value}"

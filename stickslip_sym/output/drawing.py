@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from stickslip_sym.core.aliases import FloatArray
 
 BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"
 _STYLE: Any = {
@@ -47,7 +46,6 @@ _TIMELESS: Any = {
     "png": {"Software": None},
 }
 """What files would say of the time and the machine that made them."""
-_DENSE = 8  # points drawn for each step of an integration
 _INLINE = 90  # pixels an inch, of a picture among text
 _PANEL = 7.2, 5.6  # inches, of a figure of one panel
 
@@ -173,13 +171,6 @@ def picture(draw: "Callable[[], Figure]", alt: str) -> Markup:
         return Markup("")
     content = b64encode(_rendered(figure, "png", _INLINE)).decode()
     return Markup(f'<img src="data:image/png;base64,{content}" alt="{escape(alt)}"/>')
-
-
-def dense(ends: "FloatArray") -> "FloatArray":
-    """Return places between the ends of steps, dense enough for a smooth curve."""
-    import numpy as np
-
-    return np.interp(np.arange(_DENSE * (ends.size - 1) + 1) / _DENSE, np.arange(ends.size), ends)
 
 
 def save(figure: "Figure", path: Path) -> None:

@@ -19,7 +19,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_FOLDERS = {"model", "measured", "fitting", "comparison"}
+_FOLDERS = {
+    "model", "measured", "fitting",
+    "formula",
+    "simulation", "orbits", "regimes", "maps", "margins", "thresholds",
+    "comparison",
+}  # fmt: skip
 """Whose results have views: each has a module here of its name."""
 _PANEL = 7.2, 5.6  # inches, of a figure of one panel
 
@@ -39,8 +44,8 @@ def load(cls: type) -> None:
 
 @singledispatch
 def parts(result: object) -> list[str | HeadedRows]:
-    """Return sentences, and tables as a header and rows, in the order in which they are shown."""
-    raise TypeError(f"there is no view of a {type(result).__name__}")
+    """Return sentences, and tables as a header and rows, in their order; of most results one sentence."""
+    return [str(result)]
 
 
 @singledispatch

@@ -29,8 +29,8 @@ from stickslip_sym.formula.exact import formula_ball
 from stickslip_sym.formula.proof.normal_form import normal_form, single_limit
 from stickslip_sym.formula.proof.theorems import By
 from stickslip_sym.model.expression.pieces import kinks_at
-from stickslip_sym.output import markup
 from stickslip_sym.output.data import DataResult
+from stickslip_sym.output.shown import Shown
 
 _SAMPLES = 8
 _DIGITS = 22  # of the sides' size, to which they are the same, errors included, to count as equal
@@ -43,7 +43,7 @@ _MOST_VALUES = 3000  # of an integrand, before its integral counts as unknown
 
 
 @dataclass(frozen=True)
-class Verdict(DataResult):
+class Verdict(Shown, DataResult):
     """The outcome of a proof or a check.
 
     Attributes
@@ -64,9 +64,6 @@ class Verdict(DataResult):
 
     def __repr__(self) -> str:
         return f"Verdict: {self}"
-
-    def _repr_html_(self) -> str:
-        return markup.block(str(self))
 
 
 def prove_equal(lhs: Expr, rhs: Expr, by: By | None = None, checked: Verdict | None = None) -> Verdict:

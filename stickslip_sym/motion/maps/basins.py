@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
@@ -19,8 +18,8 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.kernel.slip_data import ADDED, TIGHT
+from stickslip_sym.motion.maps.cell_map import CellMap, regions_of_motions
 from stickslip_sym.motion.maps.cells import LATE
-from stickslip_sym.motion.maps.drawing import CellMap, regions_of_motions
 from stickslip_sym.motion.maps.results_over_axes import Axis, read_values, require_few
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.attractors import Region
@@ -30,8 +29,6 @@ from stickslip_sym.output import files
 from stickslip_sym.output.data import DataResult
 
 if TYPE_CHECKING:
-    from matplotlib.artist import Artist
-    from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
 _CHECKED = 200  # initial conditions that are followed although geometry settles them
@@ -95,24 +92,8 @@ class BasinMap(CellMap):
         """The motion."""
         return {"motion": files.texts(self.motion)}
 
-    def _summary(self) -> str:
-        wrong = f"{self.disagreements} of {self.simulated} simulated ones disagree with geometry; "
-        return f"{wrong if self.disagreements else ''}{super()._summary()}; {self.simulated} simulated"
-
-    def _rows(self) -> tuple[Sequence[str], list[list[str]]]:
-        rows = [[motion.value, str(n), str(self.share.get(motion, ""))] for motion, n in self.count().items()]
-        return ["motion", "initial conditions", "share of the box"], rows
-
     def _masks(self) -> dict[Region, BoolArray]:
         return {region: self.motion == motion for motion, region in regions_of_motions().items()}
-
-    def draw(self, ax: Axes) -> list[Artist]:
-        """Draw it, and return the handles of its legend."""
-        handles = super().draw(ax)
-        for curve in self.regime.separatrices:
-            lines = ax.plot(curve.x, curve.v, "k-", linewidth=1.6, label="separatrix")
-        belt = ax.axhline(self.fixed["V"], color="black", linestyle=":", linewidth=1.0, label="belt speed")
-        return [*handles, *(lines if self.regime.separatrices else []), belt]
 
 
 def basin_map(

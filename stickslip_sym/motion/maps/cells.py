@@ -38,12 +38,8 @@ from stickslip_sym.motion.slip import NondimensionalOscillator, RoundEnds
 from stickslip_sym.motion.thresholds.averages import resolved_gauss_average
 
 LATE = "not reached: time limit, or Ctrl-C"
-CURVES = {
-    "equilibrium": ("threshold of the equilibrium", ":", "black"),
-    "least_squares": ("least-squares criterion", "--", "#0072B2"),
-    "exact": ("exact threshold", "-", "black"),
-}
-"""The thresholds of an operating point: their names in legends, and how they are drawn."""
+CURVES = ("equilibrium", "least_squares", "exact")
+"""The thresholds of an operating point."""
 
 
 _ROUGH = 1e-7  # tolerance of the steps along which rounds are resolved; what they leave open is followed

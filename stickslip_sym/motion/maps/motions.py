@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,16 +17,14 @@ from stickslip_sym.core.progress import report_counts_to
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.negative import note_at_rest
+from stickslip_sym.motion.maps.cell_map import FAILED, NO_ATTRACTOR, CellMap, regions_of_attractors
 from stickslip_sym.motion.maps.cells import CURVES, LATE, Cells, Reason, decide
-from stickslip_sym.motion.maps.drawing import FAILED, NO_ATTRACTOR, CellMap, regions_of_attractors
 from stickslip_sym.motion.maps.results_over_axes import OSCILLATOR, AxisValues, read_plane
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Region
 from stickslip_sym.motion.workers import Workers, collect
 from stickslip_sym.output import files
 
 if TYPE_CHECKING:
-    from matplotlib.artist import Artist
-    from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
 _CELLS = 300  # of a task: so many share what is computed of a law
@@ -74,31 +72,10 @@ class MotionMap(CellMap):
             **{f"c_{name}": curve for name, curve in self.thresholds.items()},
         }
 
-    def _summary(self) -> str:
-        return "; ".join(filter(None, (super()._summary(), self.note)))
-
     @property
     def note(self) -> str:
         """What is said of a law that holds no mass at rest on the belt; empty for any other."""
         return note_at_rest(self.law.bound)
-
-    def draw(self, ax: Axes) -> list[Artist]:
-        """Draw it, and return the handles of its legend."""
-        from matplotlib.lines import Line2D
-
-        handles = super().draw(ax)
-        for name, (label, style, color) in CURVES.items():
-            x, y, curve = self.x.values, self.y.values, self.thresholds[name]
-            look: dict[str, Any] = {"linestyle": style, "color": color, "linewidth": 1.6}
-            beyond = curve - self.fixed.get("c", 0.0)
-            if "c" not in self.fixed and np.isfinite(curve).any():
-                ax.plot(*((x, curve[0]) if self.y.name == "c" else (curve[:, 0], y)), **look)
-            elif "c" in self.fixed and min(curve.shape) > 1 and (beyond < 0).any() and (beyond > 0).any():
-                ax.contour(x, y, beyond, levels=[0], colors=color, linestyles=[style], linewidths=1.6)
-            else:
-                continue
-            handles.append(Line2D([], [], label=label, **look))
-        return handles
 
     def _masks(self) -> dict[Region, BoolArray]:
         masks = {

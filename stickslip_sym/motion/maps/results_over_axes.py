@@ -1,7 +1,7 @@
 """`ResultsOverAxes`: results over one axis or two, as text, in notebooks, files and pictures; and its axes."""
 
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,8 +19,9 @@ from stickslip_sym.core.units import in_si
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.law_content import text_of_law
 from stickslip_sym.model.oscillator import Oscillator
-from stickslip_sym.output import drawing, files, markup
+from stickslip_sym.output import files
 from stickslip_sym.output.data import TableResult
+from stickslip_sym.output.shown import Drawn, views_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -54,8 +55,8 @@ class Axis:
 
 
 @dataclass(frozen=True, repr=False)
-class ResultsOverAxes(drawing.Drawn, TableResult):
-    """Results over one axis or two; a kind of results says what its columns, words and drawing are.
+class ResultsOverAxes(Drawn, TableResult):
+    """Results over one axis or two; a kind of results says what its columns are.
 
     Attributes
     ----------
@@ -86,27 +87,8 @@ class ResultsOverAxes(drawing.Drawn, TableResult):
     def columns(self) -> "dict[str, NDArray[np.generic]]":
         """The results by their names in files; they broadcast with the cells."""
 
-    @abstractmethod
-    def _summary(self) -> str:
-        """Return the results in a line."""
-
-    @abstractmethod
-    def _rows(self) -> tuple[Sequence[str], list[list[str]]]:
-        """Return the header and the rows of a short table."""
-
-    @property
-    def _place(self) -> str:
-        return f"{self.law.name or 'law'}, {' by '.join(map(str, self.axes))}"
-
-    def _title(self) -> str:
-        return f"{self.law.name or 'friction law'}: {symbols.in_words(self.fixed)}"
-
     def __repr__(self) -> str:
-        return f"{type(self).__name__}: {self._place}; {self._summary()}"
-
-    def _repr_html_(self) -> str:
-        table = markup.table(*self._rows(), caption=self._place)
-        return markup.block(self._summary(), drawing.picture(self.plot, self._place), table)
+        return views_of(self).line(self)
 
     def _table_columns(self) -> "dict[str, NDArray[np.generic]]":
         """Return a row for each cell: its place on the axes, and every column."""

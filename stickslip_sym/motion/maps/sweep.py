@@ -8,7 +8,7 @@ meet where the damping that slip orbits need has an extremum (fold).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from functools import cache
 from itertools import pairwise
@@ -25,7 +25,6 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.kernel.slip_data import TIGHT
 from stickslip_sym.motion.maps.basins import Share, shares_by_area
-from stickslip_sym.motion.maps.drawing import regions_of_motions
 from stickslip_sym.motion.maps.results_over_axes import (
     Axis,
     AxisValues,
@@ -45,11 +44,8 @@ from stickslip_sym.numerics.subdivide import Accept, joined
 from stickslip_sym.output.data import DataResult
 
 if TYPE_CHECKING:
-    from matplotlib.artist import Artist
-    from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-_LINES = {"Hopf": ":", "graze": "-", "fold": "--"}
 _CLOSE = 1e-9  # relative error that is asked for of a graze and a fold
 _RTOL = 1e-8  # of an extremum of the needed damping, that polynomials over the quantity leave out
 _FARTHEST = 1e300  # extrema beyond are infinite
@@ -108,40 +104,6 @@ class BasinSweep(ResultsOverAxes):
         """The share of each motion and its error."""
         kinds = (("share", self.share), ("error", self.error))
         return {f"{kind} of {motion.value}": rows[motion] for motion in self.share for kind, rows in kinds}
-
-    def _summary(self) -> str:
-        words = [*map(str, self.changes)] or ["no basin is born or dies"]
-        return "; ".join([*words, *(f"{kind} from {values}" for kind, values in self._open)])
-
-    @property
-    def _open(self) -> list[tuple[str, str]]:
-        return [("folds not resolved", f"{low:.9g} to {high:.9g}") for low, high in self.unresolved]
-
-    def _rows(self) -> tuple[Sequence[str], list[list[str]]]:
-        rows = [[change.kind, f"{change.value:.12g}", f"{change.error:.1g}"] for change in self.changes]
-        rows += [[*row, ""] for row in self._open]
-        return ["where basins are born or die", self.x.label, "error"], rows
-
-    def draw(self, ax: Axes) -> list[Artist]:
-        """Draw it, and return the handles of its legend."""
-        regions = {motion: region for motion, region in regions_of_motions().items() if motion in self.share}
-        values, shares = self.x.values, np.array([self.share[motion] for motion in regions])
-        for change in self.changes:  # at which shares may jump
-            place = int(np.searchsorted(values, change.value))
-            sides = shares[:, [max(place - 1, 0), min(place, values.size - 1)]]
-            values = np.insert(values, place, [change.value] * 2)
-            shares = np.insert(shares, [place, place], sides, axis=1)
-            ax.axvline(change.value, color="black", linestyle=_LINES[change.kind], linewidth=1.4)
-            ax.annotate(
-                f"{change.kind} {change.value:.6g}", (change.value, 0.02), rotation=90, fontsize=8, va="bottom",
-                ha="right", backgroundcolor=(1, 1, 1, 0.7),
-            )  # fmt: skip
-        ax.set(xlabel=self.x.label, ylabel="share of the box of initial conditions", ylim=(0, 1))
-        ax.margins(x=0)
-        edges = np.vstack([np.zeros(shares.shape[1]), np.cumsum(shares, axis=0)])
-        return [
-            ax.fill_between(values, *edges[i : i + 2], **region.look) for i, region in enumerate(regions.values())
-        ]
 
 
 def basin_sweep(

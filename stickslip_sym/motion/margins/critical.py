@@ -48,9 +48,9 @@ from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_dampi
 from stickslip_sym.numerics.known import Column, Unknown, attempted
 from stickslip_sym.numerics.resolved import Resolved, Root, Sampled, nodes, resolve
 from stickslip_sym.numerics.subdivide import joined
-from stickslip_sym.output import markup
 from stickslip_sym.output.content import content
 from stickslip_sym.output.data import DataResult, TableResult, columns_of
+from stickslip_sym.output.shown import Shown
 
 _WHOLE = (1e-12, 1e12)  # belt speeds in m/s that are looked at
 _DECADES_EACH = 3  # of belt speeds, that a polynomial spans at first
@@ -79,7 +79,7 @@ _FLAT = math.sqrt(SIGNS)  # relative, whose square is nothing: distance of an ex
 
 
 @dataclass(frozen=True, eq=False)
-class Critical(QuantityResult, DataResult):
+class Critical(Shown, QuantityResult, DataResult):
     """A value of one quantity or parameter at which the given damping is just the pure-slip damping.
 
     Attributes
@@ -117,9 +117,6 @@ class Critical(QuantityResult, DataResult):
 
     def __repr__(self) -> str:
         return f"Critical: {self}"
-
-    def _repr_html_(self) -> str:
-        return markup.block(f"critical value: {self}")
 
 
 class CriticalValues(tuple[Critical, ...], TableResult):

@@ -23,7 +23,7 @@ from stickslip_sym.motion.thresholds.methods import Method, MethodName
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.motion.thresholds.uncertainty import standard_errors
 from stickslip_sym.output.data import DataResult, TableResult, columns_of
-from stickslip_sym.output.report import Report, Rows
+from stickslip_sym.output.shown import Report, views_of
 
 _SEED = 20160428  # of the samples
 
@@ -125,36 +125,8 @@ class Margins(Report, TableResult):
             columns[end] = [None if critical is None else critical["value"] for critical in columns[end]]
         return columns
 
-    def _parts(self) -> list[str | Rows]:
-        rows = []
-        for row in self.rows:
-            ends = ["" if end is None else f"{end.value:.6g}" for end in (row.below, row.above)]
-            change = f"{100 * row.change:+.3g} %" if math.isfinite(row.change) else "none"
-            rows.append([row.name, f"{row.value:.6g}", *ends, change])
-        header = ["quantity", "value", "critical below", "critical above", "smallest change"]
-        lines = [f"{name}: {why}" for name, why in self.refused.items()]
-        for name, intervals in self.open.items():
-            gaps = ", ".join(f"{low:.6g} to {high:.6g}" for low, high in intervals)
-            lines.append(f"{name}: not decided, or without a threshold, from {gaps}")
-        if self.probability is not None:
-            what = "the mass comes to the belt's speed" if self.sticks is False else "stick-slip is possible"
-            lines.append(f"probability that {what}: {self.probability:.3g} (first order)")
-        if self.sampled is not None:
-            lines[-1] += f", {self.sampled}"
-        return [self._head, (header, rows), *lines]
-
-    @property
-    def _head(self) -> str:
-        if abs(self.c - self.threshold.value) <= (self.threshold.error or 0.0):
-            state = "the damping is the pure-slip damping, within its error"
-        elif self.stick_slip:
-            state = "stick-slip is possible"
-        else:
-            state = "no stick-slip" if self.sticks is None else "the mass overtakes the belt, and does not stick"
-        return f"{state}: c = {self.c:.6g} kg/s, pure-slip damping {self.threshold}"
-
     def __repr__(self) -> str:
-        return f"Margins: {self._head}"
+        return views_of(self).line(self)
 
 
 def margins(

@@ -15,15 +15,15 @@ from stickslip_sym.motion.kernel.slip_data import TIGHT, SlipEnd
 from stickslip_sym.motion.orbits.damping import NeededDamping, needed_damping
 from stickslip_sym.motion.orbits.needed import PARTED, forward_and_backward_orbit
 from stickslip_sym.motion.slip import NondimensionalOscillator
-from stickslip_sym.output import markup
 from stickslip_sym.output.data import DataResult
+from stickslip_sym.output.shown import Shown
 
 _BESIDE = 1e-7  # distance from an orbit over its amplitude: by its square the mismatch changes beside a fold
 _STRONGEST = 1e-300  # contraction in a round, or backward, that is distinguished from 0
 
 
 @dataclass(frozen=True)
-class LimitCycle(DataResult):
+class LimitCycle(Shown, DataResult):
     """A periodic motion in pure slip.
 
     Attributes
@@ -55,12 +55,6 @@ class LimitCycle(DataResult):
     def __repr__(self) -> str:
         kind = "stable" if self.stable else "unstable"
         return f"LimitCycle: {self}, {kind}, Floquet exponent {self.floquet:.6g} 1/s"
-
-    def _repr_html_(self) -> str:
-        units = {"amplitude": "m/s", "period": "s", "floquet": "1/s"}
-        rows = [[name, f"{getattr(self, name):.9g}", unit] for name, unit in units.items()]
-        kind = "stable" if self.stable else "unstable"
-        return markup.table(["quantity", "value", "unit"], rows, caption=f"{kind} pure-slip limit cycle")
 
 
 def limit_cycles(

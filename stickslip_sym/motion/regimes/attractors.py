@@ -18,12 +18,6 @@ class Region(NamedTuple):
     hatch: str
     letter: str
 
-    @property
-    def look(self) -> dict[str, Any]:
-        """Return how it is drawn, with its name for a legend."""
-        line = {"edgecolor": "0.25", "linewidth": 0.5}
-        return {"label": self.name, "facecolor": self.color, "hatch": self.hatch} | line
-
 
 class Signs(NamedTuple):
     """What comparisons with the needed damping d(A) of slip orbits say of dampings c, as arrays.

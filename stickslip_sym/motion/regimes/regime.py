@@ -15,7 +15,6 @@ import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,7 +23,6 @@ from stickslip_sym.core.aliases import FloatArray, ObjectArray
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
-from stickslip_sym.model.negative import note_at_rest
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.kernel.slip_data import ADDED, SlipEnd
 from stickslip_sym.motion.motion import Motion
@@ -36,24 +34,14 @@ from stickslip_sym.motion.regimes.overtaking import FixedPoint, Rounds, rounds_o
 from stickslip_sym.motion.regimes.separatrix import Separatrix, interpolated
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle, first_minimum, stick_slip_cycle
 from stickslip_sym.motion.simulation.simulate import simulate
+from stickslip_sym.motion.simulation.trajectory import dense
 from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.numerics.known import Unknown
-from stickslip_sym.output import drawing, markup
 from stickslip_sym.output.data import DataResult
-
-if TYPE_CHECKING:
-    from matplotlib.artist import Artist
-    from matplotlib.axes import Axes
+from stickslip_sym.output.shown import Drawn, views_of
 
 _STEP = 1e-4  # relative, of a displacement by which a round is differentiated
 _SECONDS, _RTOL = 2.0, 1e-8  # of computation, for a curve that is a period of a motion, and its tolerance
-_LOOKS: dict[str, dict[str, Any]] = {
-    "stick-slip": {"color": "black", "linewidth": 2.2},
-    "pure-slip cycle": {"color": "#009E73", "linewidth": 2.2},
-    "pure-slip cycle, unstable": {"color": "#D55E00", "linewidth": 1.2, "linestyle": "--"},
-    "separatrix: orbit that touches the belt's speed": {"color": "0.45", "linewidth": 1.2, "linestyle": "-."},
-    "belt speed": {"color": "black", "linewidth": 0.8, "linestyle": ":", "zorder": 0},
-}
 
 
 @dataclass(frozen=True)
@@ -89,7 +77,7 @@ Attractor = Rest | LimitCycle | StickSlipCycle
 
 
 @dataclass(frozen=True)
-class Regime(drawing.Drawn, DataResult):
+class Regime(Drawn, DataResult):
     """Every motion that an oscillator has, and where others lead to: found when it is first asked for, and kept.
 
     Attributes
@@ -405,7 +393,7 @@ class Regime(drawing.Drawn, DataResult):
     # -- what is said of it ------------------------------------------------------------------------
 
     @cached_property
-    def _periodic(self) -> list[tuple[str, FloatArray, FloatArray]]:
+    def periodic_curves(self) -> list[tuple[str, FloatArray, FloatArray]]:
         """The periodic motions as curves of the phase plane: a name, x in m and v in m/s for each."""
         law, osc = self.law, self.oscillator
         cycle = self.stick_slip
@@ -420,7 +408,7 @@ class Regime(drawing.Drawn, DataResult):
         for name, x0, v0, period in begins:
             motion = simulate(law, osc, t_end=period, x0=x0, v0=v0, rtol=_RTOL, time_limit=_SECONDS)
             deadline.check_time()  # one that was cut short is not kept
-            state = motion.at(drawing.dense(np.unique(motion.t)))
+            state = motion.at(dense(np.unique(motion.t)))
             curves.append((name, state.x, state.v))
         return curves
 
@@ -435,46 +423,10 @@ class Regime(drawing.Drawn, DataResult):
         return len(self.attractors) > 1
 
     def __str__(self) -> str:
-        return "\n".join([*map(str, self.attractors), *self._notes])
-
-    @property
-    def _notes(self) -> list[str]:
-        """What is said besides the attractors."""
-        words = list[str]()
-        if not (self.attractors or self.misses_an_attractor):
-            words.append("no attractor")
-        if at_rest := note_at_rest(self.law.bound, self.oscillator.N):
-            words.append(at_rest)
-        if self.unbounded:
-            words.append("motions far out grow without bound: damping and friction feed them")
-        return [*words, *(f"undecided: {text}" for text in self.undecided)]
+        return views_of(self).text(self)
 
     def __repr__(self) -> str:
         return f"Regime: {'; '.join(str(self).splitlines())}"
-
-    def _repr_html_(self) -> str:
-        motions = [self.rest, *self.cycles, *([] if self.stick_slip is None else [self.stick_slip])]
-        attracting = self.attractors
-        rows = [[str(motion), "attracts" if motion in attracting else "does not attract"] for motion in motions]
-        table = markup.table(["motion", "neighbours"], rows, caption="motions")
-        return markup.block(drawing.picture(self.plot, "; ".join(row[0] for row in rows)), table, *self._notes)
-
-    def draw(self, ax: "Axes") -> "list[Artist]":
-        """Draw the phase plane, and return the handles of its legend: one of several curves of a kind."""
-        for name, x, v in self._periodic:
-            ax.plot(x, v, label=name, **_LOOKS[name])
-        *_, graze, belt = _LOOKS
-        for curve in self.separatrices:
-            if curve.kind == "graze":  # any other is drawn as the cycle that it is
-                ax.plot(curve.x, curve.v, label=graze, **_LOOKS[graze])
-        face, name = ("black", "rest") if self.rest.stable else ("white", "rest, unstable")
-        ax.plot([self.rest.x], [0.0], "o", color="black", markerfacecolor=face, label=name)
-        ax.axhline(self.oscillator.V, label=belt, **_LOOKS[belt])
-        ax.set(xlabel="displacement $x$ (m)", ylabel="velocity $\\dot x$ (m/s)")
-        ax.locator_params(axis="x", nbins=6)
-        ax.grid(alpha=0.25)
-        handles, labels = ax.get_legend_handles_labels()
-        return list(dict(zip(labels, handles, strict=True)).values())
 
 
 def regime(
@@ -511,7 +463,7 @@ def regime(
     result = kept_regime(as_law(law), as_oscillator(osc), read_rtol(rtol))
     with deadline.time_limit(time_limit):
         deadline.check_time()  # what is kept from earlier calls may need no look at the time
-        for name in ("attractors", "separatrices", "basins", "_periodic"):
+        for name in ("attractors", "separatrices", "basins", "periodic_curves"):
             getattr(result, name)
     return result
 

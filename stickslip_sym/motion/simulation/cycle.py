@@ -9,7 +9,7 @@ slips on both sides of the belt's speed.
 """
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import NotConverged
@@ -19,12 +19,12 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.kernel.slip_data import SlipEnd
 from stickslip_sym.motion.slip import NondimensionalOscillator
-from stickslip_sym.output import markup
 from stickslip_sym.output.data import DataResult
+from stickslip_sym.output.shown import Shown
 
 
 @dataclass(frozen=True)
-class StickSlipCycle(DataResult):
+class StickSlipCycle(Shown, DataResult):
     """The periodic motion of stick and slip.
 
     One stick phase, one slip slower than the belt, and, where the mass returns beyond what static friction
@@ -56,11 +56,6 @@ class StickSlipCycle(DataResult):
             f"StickSlipCycle: {self}; x from {self.x_min:.6g} to {self.x_max:.6g} m, "
             f"v from {self.v_min:.6g} to {self.v_max:.6g} m/s"
         )
-
-    def _repr_html_(self) -> str:
-        units = {"period": "s", "stick_time": "s", "slip_time": "s", "x_min": "m", "x_max": "m"}
-        rows = [[f.name, f"{getattr(self, f.name):.9g}", units.get(f.name, "m/s")] for f in fields(self)]
-        return markup.table(["quantity", "value", "unit"], rows, caption="stick-slip cycle")
 
 
 def stick_slip_cycle(

@@ -19,15 +19,16 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.kernel.slip_data import ADDED
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.output import drawing, files, markup
+from stickslip_sym.output import files
 from stickslip_sym.output.data import DataResult, TableResult
+from stickslip_sym.output.shown import Shown, views_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 _STILL = 1e-9  # m for each m that the belt moves in 1/omega: a smaller swing is rest
-_SHOWN = 3000  # steps in the picture of a notebook, some hundred rounds; more take seconds to draw
+_DENSE = 8  # points of a smooth curve for each step of an integration
 
 
 class Phase(Enum):
@@ -115,7 +116,7 @@ class Stretch(DataResult):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Trajectory(TableResult, by_identity=True):
+class Trajectory(Shown, TableResult, by_identity=True):
     """A motion of the mass.
 
     Attributes
@@ -250,24 +251,7 @@ class Trajectory(TableResult, by_identity=True):
         return f"{self.motion.value} by {100 * abs(self.change):.2g} % a round"
 
     def __repr__(self) -> str:
-        return (
-            f"Trajectory: {self.summary}; {len(self.t)} samples from t = {self.t[0]:.6g} to {self.t[-1]:.6g} s, "
-            f"x from {self.x.min():.6g} to {self.x.max():.6g} m, v from {self.v.min():.6g} to "
-            f"{self.v.max():.6g} m/s, {len(self.events)} changes of phase, {self.outcome.value}"
-        )
-
-    def _repr_html_(self) -> str:
-        rows = [
-            ["..."] * 4
-            if event is None
-            else [f"{event.t:.9g}", f"{event.x:.9g}", f"{event.v:.9g}", event.begins.value]
-            for event in markup.shortened(self.events)
-        ]
-        since = float(self.t[max(self.t.size - _SHOWN, 0)])
-        picture = drawing.picture(lambda: self.plot(since=since), self.summary)
-        cut = [] if since == self.t[0] or not picture else [f"The picture begins at t = {since:.6g} s."]
-        table = markup.table(["t in s", "x in m", "v in m/s", "begins"], rows)
-        return markup.block(repr(self), picture, *cut, table)
+        return views_of(self).line(self)
 
     def starts_of(self, phase: Phase) -> FloatArray:
         """Return the times at which a phase began."""
@@ -332,15 +316,7 @@ class Trajectory(TableResult, by_identity=True):
 
     def draw(self, ax: "Axes", x: str = "t", y: str = "v", *, since: float = -math.inf) -> None:
         """Draw two of t, x and v over each other, with stick and slip in different styles."""
-        for phase, style in _STYLES.items():
-            parts = list[FloatArray]()
-            for stretch in self.stretches:
-                if stretch.phase is phase and stretch.end > since:
-                    t = drawing.dense(np.unique(np.maximum(stretch.samples[0], since)))
-                    parts += [np.array((t, *stretch.course(t))), np.full((3, 1), np.nan)]  # a gap between two
-            if parts:
-                state = dict(zip("txv", np.concatenate(parts, axis=1), strict=True))
-                ax.plot(state[x], state[y], label=phase.value, **style)
+        views_of(self).draw(self, ax, x, y, since=since)
 
     def plot(
         self, path: str | Path | None = None, *, since: float | None = None, ax: "Axes | None" = None
@@ -356,45 +332,11 @@ class Trajectory(TableResult, by_identity=True):
         ax : matplotlib.axes.Axes, optional
             Axes of a figure of your own, for the velocity over time alone.
         """
-        first = -math.inf if since is None else since
-        if ax is None:
-            with drawing.styled():
-                figure = self._figure(first)
-        else:
-            self.draw(ax, since=first)
-            drawing.finish(ax, xlabel=_LABELS["t"], ylabel=_LABELS["v"])
-            figure = ax.figure  # type: ignore[assignment]  # of a subfigure, that
-        if path is not None:
-            drawing.save(figure, Path(path))
-        return figure
-
-    def _figure(self, since: float) -> "Figure":
-        """Return the figure of three panels: x and v over the time, and v over x."""
-        figure: Figure = drawing.empty_figure(8.4, 4.2)
-        panels = figure.subplot_mosaic("xp;vp", width_ratios=(3, 2))
-        panels["x"].sharex(panels["v"])
-        for name, (across, up) in {"x": ("t", "x"), "v": ("t", "v"), "p": ("x", "v")}.items():
-            self.draw(panels[name], across, up, since=since)
-            drawing.finish(panels[name], xlabel=_LABELS[across], ylabel=_LABELS[up])
-        panels["x"].set_xlabel("")
-        panels["x"].tick_params(labelbottom=False)
-        panels["p"].locator_params(axis="x", nbins=5)
-        figure.align_ylabels([panels["x"], panels["v"]])
-        figure.legend(handles=panels["p"].lines, loc="outside upper center", ncols=len(_STYLES))
-        return figure
-
-
-_LABELS = {"t": "time $t$ (s)", "x": "displacement $x$ (m)", "v": "velocity $\\dot x$ (m/s)"}
-_STYLES: dict[Phase, dict[str, Any]] = {
-    Phase.STICK: {"color": "black", "linewidth": 2.6},
-    Phase.SLIP_BACK: {"color": "tab:blue", "linewidth": 1.1},
-    Phase.SLIP_FORWARD: {"color": "tab:orange", "linewidth": 1.4, "linestyle": (0, (3, 1))},
-}
-"""In grey they differ by weight and by dashes."""
+        return views_of(self).plot(self, path, ax, since=since)
 
 
 @dataclass(frozen=True, repr=False)
-class Trajectories(TableResult):
+class Trajectories(Shown, TableResult):
     """What became of many initial conditions; every array has their shape.
 
     Attributes
@@ -463,10 +405,6 @@ class Trajectories(TableResult):
         counts = ", ".join(f"{number} {word}" for word, number in self.count().items())
         return f"Trajectories: {len(self)} initial conditions to t = {self.t.max():.6g} s; {counts}"
 
-    def _repr_html_(self) -> str:
-        rows = [[word, str(number)] for word, number in self.count().items()]
-        return markup.block(repr(self), markup.table(["motion", "initial conditions"], rows))
-
     def _table_columns(self) -> dict[str, Any]:
         numbers = "x0", "v0", "t", "x", "v", "x_min", "x_max", "v_min", "v_max", "first_stick", "changes", "sticks"
         columns = {name: np.ravel(getattr(self, name)) for name in numbers}
@@ -485,3 +423,8 @@ class Trajectories(TableResult):
         columns: dict[str, ArrayLike] = {f"{name} ({unit})": getattr(self, name) for name, unit in units.items()}
         columns |= {"changes": self.changes, "sticks": self.sticks, "outcome": files.texts(self.outcome)}
         files.write_csv(Path(path), columns)
+
+
+def dense(ends: FloatArray) -> FloatArray:
+    """Return places between the ends of steps, dense enough for a smooth curve."""
+    return np.interp(np.arange(_DENSE * (ends.size - 1) + 1) / _DENSE, np.arange(ends.size), ends)

@@ -17,11 +17,10 @@ from stickslip_sym.core.errors import NO_RESULT, InputError, OutOfTime
 from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.core.quantity import QuantityResult
 from stickslip_sym.core.status import Status
-from stickslip_sym.core.uncertain import with_error
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
-from stickslip_sym.model.negative import note_at_rest, warn_where_negative
+from stickslip_sym.model.negative import warn_where_negative
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.methods import (
     Method,
@@ -36,14 +35,13 @@ from stickslip_sym.motion.thresholds.methods import (
 from stickslip_sym.motion.thresholds.operating_points import VANISHING, OperatingPoints, Quantity
 from stickslip_sym.motion.thresholds.uncertainty import (
     Budget,
-    ranged,
     second_order_ratio,
     shaped,
     standard_errors,
     warn_of_ratio,
 )
-from stickslip_sym.output import markup
 from stickslip_sym.output.data import TableResult
+from stickslip_sym.output.shown import Report
 
 if TYPE_CHECKING:
     from stickslip_sym.criteria.enclosure import Enclosure
@@ -57,7 +55,7 @@ OneValue: TypeAlias = float | str
 
 
 @dataclass(frozen=True, eq=False)
-class Threshold(QuantityResult, TableResult, Generic[Value]):
+class Threshold(Report, QuantityResult, TableResult, Generic[Value]):
     """A threshold: its value, the method that gave it, and its relative error.
 
     Attributes
@@ -184,7 +182,7 @@ class Threshold(QuantityResult, TableResult, Generic[Value]):
         return bool(self.points.uncertain or self.points.law.uncertain)
 
     @property
-    def _standard_error(self) -> Any:
+    def known_standard_error(self) -> Any:
         """The standard error as far as it was computed: NaN where that failed, None where nothing carries one."""
         if not self.has_standard_error:
             return None
@@ -204,30 +202,6 @@ class Threshold(QuantityResult, TableResult, Generic[Value]):
         text = f"error {most}{error:{form}} kg/s" if error else "error 0"
         return text if off >= 1 or not error else f"{text}, which is {off:{form}} of {VANISHING:.0e} N <|mu'|>"
 
-    def __str__(self) -> str:
-        if not np.size(self.value):
-            return "0 thresholds"
-        low, high, spread = np.min(self.value), np.max(self.value), self._standard_error
-        row = 0 if self.relative_error is None else int(np.argmax(self.relative_error))
-        worst = self.accuracy(tuple(map(int, np.unravel_index(row, self.points.shape))))
-        basis = f"{', '.join(np.unique(self.method))}, {worst}, {self.status}"
-        if np.ndim(self.value):
-            text = f"{np.size(self.value)} thresholds from {low:.6g} to {high:.6g} kg/s ({basis})"
-        elif spread is None or self.theorems or np.isnan(spread):
-            text = f"{self.enclosure or format(low, '.10g')} kg/s ({basis})"
-        else:
-            off = "unknown" if self.error is None else f"{self.error:.0e}" if self.error else "0"
-            text = f"{with_error(float(low), float(spread))} kg/s (parameters) +/- {off} (method: {self.method})"
-            spread = None
-        if spread is not None:
-            size = f"{ranged(spread, '.2g')} kg/s" if np.isfinite(spread).all() else "unknown"
-            text += f"; standard error {size} (parameters)"
-        if np.any(self.value < -np.asarray(0.0 if self.error is None else self.error)):
-            text += "; no damping is needed: a negative value says how much energy must be fed in for stick-slip"
-        if self.points.has_oscillator and (at_rest := note_at_rest(self.points.bound)):
-            text += f"; {at_rest}"
-        return text
-
     def __repr__(self) -> str:
         return f"Threshold: {self}"
 
@@ -238,23 +212,6 @@ class Threshold(QuantityResult, TableResult, Generic[Value]):
                 f"{np.size(self.value)} thresholds are no single number; take value, an array of them"
             )
         return float(self.value)
-
-    def _repr_html_(self) -> str:
-        value, method = np.atleast_1d(self.value), np.atleast_1d(self.method)
-        spread = None if self._standard_error is None else np.atleast_1d(self._standard_error)
-        rows = list[list[str]]()
-        for index in markup.shortened(list(np.ndindex(value.shape))):
-            row = ["..."] * 6
-            if index is not None:
-                text = str(self.enclosure or format(value[index], ".10g"))
-                deviation = "" if spread is None else accuracy(float(spread[index]), ".2g")
-                accurate = self.accuracy(index if self.points.shape else ())
-                row = [", ".join(map(str, index)), text, deviation, str(method[index]), accurate, str(self.status)]
-            rows.append(row)
-        header = ["operating point", "c in kg/s", "standard error", "method", "error of the method", "status"]
-        shown = [i for i in range(6) if (i or np.ndim(self.value)) and (i != 2 or spread is not None)]
-        head, *body = ([row[i] for i in shown] for row in (header, *rows))
-        return markup.table(head, body, caption=f"pure-slip damping: {self}")
 
 
 @overload

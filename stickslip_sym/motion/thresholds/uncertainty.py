@@ -16,7 +16,7 @@ from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 from stickslip_sym.output.content import content
 from stickslip_sym.output.data import TableResult
-from stickslip_sym.output.report import Report, Rows
+from stickslip_sym.output.shown import Report
 
 _FAR = np.sqrt(3.0)  # standard errors; the outer nodes of the Gauss rule of three for normal errors
 _SUFFICES = 0.1  # of the first order's standard error, by which the second order's may differ
@@ -93,16 +93,6 @@ class Budget(Report, TableResult):
         said = {"standard_error": self.deviations, "alone": self.alone, "share": self.shares}
         columns = {title: [content(of[name]) for name in self.names] for title, of in said.items()}
         return {"quantity": list(self.names), **columns}
-
-    def _parts(self) -> list[str | Rows]:
-        rows = []
-        for name in self.names:
-            share = ranged(100 * np.asarray(self.shares[name]), ".1f")
-            rows.append([name, f"{self.deviations[name]:.3g}", ranged(self.alone[name], ".3g"), f"{share} %"])
-        header = ["quantity", "standard error", "alone, kg/s", "share of the variance"]
-        pairs = ", ".join(f"{first} and {second} ({r:+.2f})" for first, second, r in self.correlated)
-        remarks = [f"correlated: {pairs}; their shares hold only together"] if pairs else []
-        return [(header, rows), *remarks]
 
 
 def shaped(column: FloatArray, shape: tuple[int, ...]) -> Any:
