@@ -38,6 +38,8 @@ _LONG = 500_000  # bytes of a file that is worth reading as a whole, if its numb
 _HEAD = 50_000  # bytes, in which its header stands
 _LOOKED_AT = 400  # lines, of which most look alike: enough to tell how a file is written
 _COMMENT = re.compile(r"^\s*([#%!]|//)\s*")
+_AROUND_ERROR = re.compile(r" *(±|\+/-) *")
+"""Blanks within 0.44 ± 0.05, which part no columns."""
 _BEFORE_UNIT = re.compile(r"(?<=[^\s\])]) +(?=[\[(])")
 _BETWEEN_BLANKS = re.compile(r'"[^"]*"|(?:\[[^\[\]]*\]|\([^()]*\)|[^ ])+')
 _NUMBER = r"[+-]?(\d+{sign}?\d*|{sign}\d+)([eE][+-]?\d{{1,4}})?"
@@ -454,7 +456,7 @@ def _text(content: bytes, name: str) -> str:
 def _cells(line: str, separator: str) -> list[str]:
     """Return the cells of a line; where a quotation mark is not closed it stands in a cell, and is no number."""
     if separator == " ":  # a tab stands for a column, which may be empty
-        return [cell for cell in line.split(" ") if cell]
+        return [cell for cell in _AROUND_ERROR.sub(r"\1", line).split(" ") if cell]
     try:
         row = next(csv.reader([line], delimiter=separator, skipinitialspace=True, strict=True))
     except csv.Error:
@@ -465,7 +467,8 @@ def _cells(line: str, separator: str) -> list[str]:
 def _names(line: str, separator: str) -> list[str]:
     """Return the cells of a header: with blanks v [mm/s] is one, and separators at the end begin none."""
     if separator == " ":
-        return [name.strip('"') for name in _BETWEEN_BLANKS.findall(_BEFORE_UNIT.sub("", line))]
+        whole = _AROUND_ERROR.sub(r"\1", line)
+        return [name.strip('"') for name in _BETWEEN_BLANKS.findall(_BEFORE_UNIT.sub("", whole))]
     cells = _cells(line, separator)
     while len(cells) > 1 and not cells[-1]:
         cells.pop()
