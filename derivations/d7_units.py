@@ -14,7 +14,7 @@ from stickslip_sym import laws
 from stickslip_sym.core.symbols import QUANTITIES, N, V, c, mu, s, u
 from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.proof.theorems import ChangeOfVariable
-from stickslip_sym.model.expression.dimensions import parse_unit, with_units
+from stickslip_sym.model.expression.dimensions import multiply_by_units, parse_unit
 
 
 def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
@@ -30,7 +30,7 @@ def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
     d.equal(
         "(16) for any law",
         "mu is a function of v/v_0; the variable of integration is a speed too",
-        with_units(any_law, point | {v_0: "m/s"}),
+        multiply_by_units(any_law, point | {v_0: "m/s"}),
         any_law * damping,
         by=ChangeOfVariable(u, s, s * parse_unit("m/s")),
     )
@@ -47,5 +47,5 @@ def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
     for name, (expr, law) in formulas.items():
         parameters = {p.symbol: p.unit for p in law.parameters.values() if p.unit}
         listed = ", ".join(f"{symbol} in {unit}" for symbol, unit in (point | parameters).items() if unit != "1")
-        d.equal(name, listed, with_units(expr, point | parameters), expr * damping, label=name, shown=c)
+        d.equal(name, listed, multiply_by_units(expr, point | parameters), expr * damping, label=name, shown=c)
     return d

@@ -12,7 +12,7 @@ from textwrap import shorten
 
 import sympy as sp
 
-from stickslip_sym.certificates.python_printer import WIDTH, assignment, code, imports, line
+from stickslip_sym.certificates.python_printer import WIDTH, assignment, imports, line, python_code
 from stickslip_sym.certificates.script import SafeNames
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
@@ -53,10 +53,10 @@ def certificate_of_forms(forms: Sequence[ClosedForm]) -> str:
             )
     claims = "\n\n".join("\n".join(_Claim(form).lines()) for form in forms)
     body = f"claims = []\n\n{claims}\n\n\n{CHECKER}\n\nfor claim in claims:\n    prove(*claim)\n"
-    return f"{_title(forms)}\n{imports(body)}\n{body}"
+    return f"{_script_title(forms)}\n{imports(body)}\n{body}"
 
 
-def _title(forms: Sequence[ClosedForm]) -> str:
+def _script_title(forms: Sequence[ClosedForm]) -> str:
     names = list(dict.fromkeys(map(_where, forms)))
     unproved = dict.fromkeys(printing.text(average.profile) for form in forms for average in _unproved(form))
     which = names[0] if len(names) == 1 else "some laws"
@@ -118,7 +118,7 @@ class _Claim:
         expr = sp.sympify(expr)
         for symbol in sorted(expr.free_symbols, key=str):
             self._name(symbol)
-        return code(expr, self.names)
+        return python_code(expr, self.names)
 
     def exact(self, expr: Expr | int) -> str:
         """Return an expression in code that is no plain number of Python."""
@@ -167,13 +167,13 @@ class _Claim:
             yield from self.declare(*sorted(of.law.expr.free_symbols - {symbols.v, *self.parameters}, key=str))
             yield self.let("law", of.law.expr)
             source = f"(law, {self.names[symbol]})"
-        yield self.let("mu", _with_places(form.law.expr, symbols.v))
+        yield self.let("mu", _solve_conditions(form.law.expr, symbols.v))
         yield f"# {shorten(criterion.source or 'the criterion ' + criterion.name, WIDTH - 2)}"
         if criterion.weight is None:
             yield "w = None  # a unit mass at s = 0: c = -N mu'(V), above which small motions decay"
         else:
             yield self.let("w", criterion.weight)
-        yield self.let("c", _with_places(form.expr, symbols.V))
+        yield self.let("c", _solve_conditions(form.expr, symbols.V))
         yield ""
         yield "# == DATA: supplied by a generator; CHECKER trusts no line of it ".ljust(100, "=")
         yield ""
@@ -272,7 +272,7 @@ class _Claim:
         rows = proof.product.algebra.table([proof.product])
         yield from self._declare_generators(average, rows)
         functions, roots = list[str](), list[str]()
-        meanings = _with_thetas(rows)
+        meanings = _expand_generators(rows)
         for made in rows:
             name, meaning = self.names[made.symbol], meanings[made.symbol]
             text = f"({self.names[meaning[0]]}, {meaning[1]})" if isinstance(meaning, tuple) else in_code(meaning)
@@ -315,7 +315,7 @@ def _folded(profile: Expr) -> Expr:
     return piecewise(list(zip(pieces, [*places, None], strict=True)))
 
 
-def _with_places(expr: Expr, x: Expr) -> Expr:
+def _solve_conditions(expr: Expr, x: Expr) -> Expr:
     """Return an expression with every condition that is linear in x solved: x < place, or x <= place."""
 
     def solved(holds: Expr) -> Expr:
@@ -341,7 +341,7 @@ def _is_power(term: Expr) -> bool:
     return bool(term.is_polynomial(symbols.v) or (term.is_Pow and term.base == symbols.v))
 
 
-def _with_thetas(rows: Sequence[Generator]) -> Mapping[Expr, Expr | tuple[Expr, int]]:
+def _expand_generators(rows: Sequence[Generator]) -> Mapping[Expr, Expr | tuple[Expr, int]]:
     """Return what generators mean: (F, k) is (z d/dz)^k F of a hypergeometric function F of z."""
     meanings: dict[Expr, Expr | tuple[Expr, int]] = {}
     last, k = None, 0

@@ -12,7 +12,7 @@ from textwrap import fill
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from stickslip_sym.certificates.python_printer import WIDTH, assignment, code, imports, line
+from stickslip_sym.certificates.python_printer import WIDTH, assignment, imports, line, python_code
 from stickslip_sym.certificates.script import SafeNames
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
@@ -47,7 +47,7 @@ def certificate_of_derivation(derivation: Derivation) -> str:
     images = [step.by.image for step in derivation.steps if isinstance(step.by, ChangeOfVariable)]
     symbols = sorted(set().union(*(side.atoms(sp.Symbol) for side in [*sides, *images])), key=str)
     names = {x: safe.new(x.name) for x in symbols}
-    body = f"{page}\n\n\n" + "\n".join(_lines(derivation, functions, names))
+    body = f"{page}\n\n\n" + "\n".join(_script_lines(derivation, functions, names))
     title = fill(f"A proof, step by step: {derivation.title}.", WIDTH - 10)
     words = "Nothing but SymPy 1.13 or later is needed. NotProved names the step that fails, under python -O too."
     return f'"""{title}\n\n{words}\n"""\n\n{imports(body).lstrip()}\n\n{body}\n'
@@ -57,7 +57,7 @@ def _left(step: Step) -> Expr:
     return step.statement.lhs if step.lhs is None else step.lhs
 
 
-def _lines(derivation: Derivation, functions: Sequence[Expr], names: dict[Expr, str]) -> Iterator[str]:
+def _script_lines(derivation: Derivation, functions: Sequence[Expr], names: dict[Expr, str]) -> Iterator[str]:
     kinds: dict[str, list[str]] = {}
     for x, name in names.items():
         kind = next((kind for kind in ("positive", "nonnegative", "real") if getattr(x, f"is_{kind}")), "complex")
@@ -71,7 +71,7 @@ def _lines(derivation: Derivation, functions: Sequence[Expr], names: dict[Expr, 
 
     def text(expr: Expr) -> str:
         """Return an expression in code, earlier right sides in it by their names."""
-        written = code(expr, names)
+        written = python_code(expr, names)
         for right, name in rights.items():
             written = re.sub(rf"(?<![^(\[ ])(?<![-+*/] ){re.escape(right)}(?=[,)\]]|$)", name, written)
         return written
@@ -87,7 +87,7 @@ def _lines(derivation: Derivation, functions: Sequence[Expr], names: dict[Expr, 
             yield f"check(sp.factor(left).is_positive, {message})"
             continue
         if isinstance(step.by, ChangeOfVariable):
-            old, new, image = (code(part, names) for part in (step.by.old, step.by.new, step.by.image))
+            old, new, image = (python_code(part, names) for part in (step.by.old, step.by.new, step.by.image))
             yield f"left = left.transform({old}, ({image}, {new}))  # {old} = {image}"
         elif isinstance(step.by, LinearSolution):
             unknowns = ", ".join(names[x] for x in step.by.unknowns)
@@ -98,6 +98,6 @@ def _lines(derivation: Derivation, functions: Sequence[Expr], names: dict[Expr, 
             yield f"left = left.subs(dict(zip([{unknowns}], solution, strict=True)), simultaneous=True)"
         yield assignment(right := f"right_{number}", text(step.statement.rhs))
         yield f"check(vanishes(left - {right}), {message})"
-        rights[code(step.statement.rhs, names)] = right
+        rights[python_code(step.statement.rhs, names)] = right
     yield ""
     yield line(f"print({json.dumps(f'proved: {derivation.title}')})")

@@ -49,7 +49,7 @@ def certificate_of_enclosure(
         law="\n".join(lines),
         definition=definition,
         bits=_bits(low, high) + _GUARD,
-        scene=f"{in_flint.rational(V)}, {in_flint.rational(N)}",
+        scene=f"{in_flint.flint_rational(V)}, {in_flint.flint_rational(N)}",
         parameters=script.parameters,
         low=_dyadic(low),
         high=_dyadic(high),
@@ -62,7 +62,7 @@ def certificate_of_enclosure(
 
 def _coefficients(weight: Expr) -> str:
     """Return the coefficients of a polynomial weight, from s^0 on."""
-    return in_flint.listed([in_flint.rational(a) for a in reversed(sp.Poly(weight, symbols.s).all_coeffs())])
+    return in_flint.listed([in_flint.flint_rational(a) for a in reversed(sp.Poly(weight, symbols.s).all_coeffs())])
 
 
 def _dyadic(end: Fraction) -> str:

@@ -44,7 +44,7 @@ class LawInFlint:
     @property
     def parameters(self) -> str:
         """The law's parameters, exact, by their names."""
-        items = [f'"{self._names[symbol]}": {rational(value)}' for symbol, value in self._law.values]
+        items = [f'"{self._names[symbol]}": {flint_rational(value)}' for symbol, value in self._law.values]
         line = f"{{{', '.join(items)}}}"
         return line if len(line) <= WIDTH - 20 else "\n    ".join(["{", *(f"{item}," for item in items)]) + "\n}"
 
@@ -87,12 +87,12 @@ class LawInFlint:
         return f'    "{text}",'
 
 
-def rational(value: Rational) -> str:
+def flint_rational(value: Rational) -> str:
     """Return an exact rational."""
     return f"fmpq({value})" if value.is_Integer else f"fmpq({value.p}, {value.q})"
 
 
-def number(value: Rational) -> str:
+def flint_number(value: Rational) -> str:
     """Return an exact rational as a ball."""
     return f"arb({value})" if value.is_Integer else f"arb(fmpq({value.p}, {value.q}))"
 
@@ -132,7 +132,7 @@ class _Flint(StrPrinter):  # type: ignore[misc]  # SymPy is untyped
         return "arb(1).exp()"
 
     def _print_Function(self, expr: Expr) -> str:
-        arguments = [number(part) if part.is_Rational else self.doprint(part) for part in expr.args]
+        arguments = [flint_number(part) if part.is_Rational else self.doprint(part) for part in expr.args]
         if (name := type(expr).__name__) in self.methods:
             return f"{arguments[0] if expr.args[0].is_Atom else f'({arguments[0]})'}.{name}()"
         return self._call(name, *arguments)
@@ -143,13 +143,13 @@ class _Flint(StrPrinter):  # type: ignore[misc]  # SymPy is untyped
             return self._print_Function(sp.Function("exp")(expr.exp))
         if expr.exp == -1:
             return f"1/({self.doprint(expr.base)})"
-        base = number(expr.base) if expr.base.is_Rational else self.doprint(expr.base)
+        base = flint_number(expr.base) if expr.base.is_Rational else self.doprint(expr.base)
         if expr.base.is_Symbol and expr.exp.is_Integer and 1 < expr.exp <= _PRODUCT:
             return f"({' * '.join([base] * int(expr.exp))})"
         return self._call("whole" if expr.exp.is_Integer else "power", base, self.doprint(expr.exp))
 
     def _print_NumberPower(self, expr: Expr) -> str:
-        return self._call("power", number(expr.args[0]), self.doprint(expr.args[1]))
+        return self._call("power", flint_number(expr.args[0]), self.doprint(expr.args[1]))
 
     def _call(self, name: str, *arguments: str) -> str:
         self.used.add(name)

@@ -47,7 +47,7 @@ class _Script(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
         return f"lerchphi({', '.join(map(self._print, expr.args))})"
 
 
-def code(expr: Expr, names: Mapping[Expr, str]) -> str:
+def python_code(expr: Expr, names: Mapping[Expr, str]) -> str:
     """Return an expression as Python; `names` are those of its symbols."""
     return formatted(_Script(names).doprint(elementary(expr)))
 

@@ -15,7 +15,7 @@ _WITHOUT_THE_PACKAGE = "import sys; sys.modules['stickslip_sym'] = None; exec(sy
 
 def outcome_in_sympy(page: str) -> tuple[Status, str]:
     """Return what a page in SymPy establishes of its formula, PROVED or CHECKED, and a sentence that says so."""
-    done = _run([sys.executable, "-I", "-c", _WITHOUT_THE_PACKAGE], page)
+    done = _run_program([sys.executable, "-I", "-c", _WITHOUT_THE_PACKAGE], page)
     if done.returncode != 0:
         return Status.CHECKED, f"its page in SymPy stops here: {_last_line(done.stderr)}"
     if done.stdout.startswith("proved: "):
@@ -36,13 +36,13 @@ def outcome_in_coq(script: str) -> tuple[Status, str]:
         )
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "proof.v").write_text(script, encoding="utf-8")
-        done = _run([compiler, "-q", "proof.v"], "", folder)
+        done = _run_program([compiler, "-q", "proof.v"], "", folder)
     if done.returncode != 0:
         return Status.CHECKED, f"Coq does not accept its script here: {_last_line(done.stderr)}"
     return Status.PROVED, "Coq has accepted its script here"
 
 
-def _run(command: list[str], text: str, folder: str | None = None) -> "subprocess.CompletedProcess[str]":
+def _run_program(command: list[str], text: str, folder: str | None = None) -> "subprocess.CompletedProcess[str]":
     left = time_left()
     try:
         return subprocess.run(

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 
 
-def chosen(text: str, names: set[str]) -> str:
+def chosen_lines(text: str, names: set[str]) -> str:
     """Return text without the lines for what a script has none of, which say so: ``# if Min Max``."""
     lines = [line.partition("  # if ") for line in text.splitlines()]
     return "\n".join(line for line, _, needed in lines if not needed or names & set(needed.split()))

@@ -52,7 +52,7 @@ def certificate_of_threshold(
         statement=textwrap.fill(f"Theorem. {statement}", WIDTH),
         conditions=textwrap.fill(f"Conditions. {'; '.join(conditions)}.", WIDTH),
         bits=bits,
-        scene=", ".join(map(in_flint.rational, (point.V, point.N, point.m, point.k))),
+        scene=", ".join(map(in_flint.flint_rational, (point.V, point.N, point.m, point.k))),
         parameters=script.parameters,
         ends=", ".join(f"fmpq({end.numerator}, {end.denominator})" for end in ends),
         pieces=script.functions_of_v("MU", "the smooth pieces of mu", script.pieces),

@@ -63,12 +63,12 @@ class Point:
             mark = " (typical)" if name in self.typical else ""
             parameters.append(f"{name} = {shown}{'' if unit in (None, '1') else f' {unit}'}{mark}")
         formula = f"{f'{law.name}: ' if law.name else ''}mu(v) = {law.text if law.curve is None else law.curve}"
-        shown_texts = {name: _in_decimals(text) for name, text in self.texts.items()}
+        shown_texts = {name: _shorten_fraction(text) for name, text in self.texts.items()}
         lines = formula, ", ".join(parameters + [f"{name} = ?" for name in law.missing])
-        return "\n".join(filter(None, [*lines, symbols.in_words(shown_texts, self.defaults)]))
+        return "\n".join(filter(None, [*lines, symbols.quantities_text(shown_texts, self.defaults)]))
 
 
-def _in_decimals(text: str) -> str:
+def _shorten_fraction(text: str) -> str:
     """Return a quantity as it is read: a long fraction, to which a unit was converted exactly, by its digits."""
     if len(text) <= _LONG_FRACTION or not _FRACTION.fullmatch(text):
         return text
@@ -86,7 +86,7 @@ def points(
     - `without`: quantities that are not given here, as they are sought for or an axis.
     - `law`: one that is fitted, so that none is read.
     """
-    from stickslip_sym.core.units import in_si
+    from stickslip_sym.core.units import si_number
 
     wanted = {name: default for name, default in {**PAPER, "c": c}.items() if name not in without}
     read = []
@@ -94,7 +94,9 @@ def points(
         content = {} if file is None else _toml(file)
         stated = {name: content.get(name) if given[name] is None else given[name] for name in wanted}
         defaults = {name: text for name, text in wanted.items() if stated[name] is None and text is not None}
-        texts = {name: in_si(str(text), name) for name, text in (stated | defaults).items() if text is not None}
+        texts = {
+            name: si_number(str(text), name) for name, text in (stated | defaults).items() if text is not None
+        }
         friction, typical = law, tuple[str, ...]()
         if friction is None:
             values = {name: str(value) for name, value in content.get("parameters", {}).items()}

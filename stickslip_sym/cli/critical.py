@@ -6,7 +6,7 @@ import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.arguments import point
 from stickslip_sym.cli.options import Given, option
-from stickslip_sym.cli.output import echo_found, under_way
+from stickslip_sym.cli.output import echo_found, show_progress
 from stickslip_sym.core.errors import InputError
 
 
@@ -18,7 +18,7 @@ from stickslip_sym.core.errors import InputError
     ),
     options.DAMPING, options.METHOD,
     option("--within", metavar="LOW:HIGH", help="Where to look."),
-    options.time_limit(),
+    options.time_limit_option(),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Print every value of a quantity at which the damping is just the pure-slip damping.
@@ -34,14 +34,14 @@ def run(given: Given) -> None:
         raise InputError("critical values are computed at a given damping: add -c VALUE")
     if of == "all":
         given.reject_unused()
-        with under_way("margins of all quantities"):
+        with show_progress("margins of all quantities"):
             margins = ss.margins(at.law, ss.Oscillator(**at.numbers), errors=at.texts, **how)
         echo_found(given, at, margins, of="all", margins=margins)
         return
     at.exact("critical --of " + of)
-    text, unit = given["within"], options.unit_of(at.law, of)
+    text, unit = given["within"], options.unit_of_option(at.law, of)
     within = None if text is None else options.read_range(text, "--within", of=of, unit=unit)
     given.reject_unused()
-    with under_way(f"critical values of {of}"):
+    with show_progress(f"critical values of {of}"):
         values = ss.critical(at.law, of, **how | at.numbers, within=within)
     echo_found(given, at, values, of=of, values=values, looked=values.looked, unresolved=values.unresolved)

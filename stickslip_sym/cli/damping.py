@@ -9,7 +9,7 @@ import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.arguments import points
 from stickslip_sym.cli.options import Given, file_option, option
-from stickslip_sym.cli.output import Json, echo_all, under_way
+from stickslip_sym.cli.output import Json, echo_all, show_progress
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.files import write_text
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     file_option("--certificate", help="A script that proves the threshold without this package (--method proof)."),
     option("--all", is_flag=True, help="Compare every method."),
     options.plot_option("Draw thresholds over the belt speed, and that of the one point"),
-    options.time_limit("Seconds of computation, for each method."),
+    options.time_limit_option("Seconds of computation, for each method."),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Print the pure-slip damping, the method that gave it, and its error.
@@ -47,15 +47,15 @@ def run(given: Given) -> None:
     for at in at_all:
         given.reject_unused()
         if method is None:
-            with under_way("thresholds by every method"):
+            with show_progress("thresholds by every method"):
                 compared = ss.compare(at.law, None, rtol=min(rtol, _RTOL), time_limit=limit, **at.texts)
             contents.append({"operating_point": at, "rows": compared.rows})
             texts.append(f"{at}\n\n{compared}")
             if plot is not None:
-                with under_way("thresholds over the belt speed"):
+                with show_progress("thresholds over the belt speed"):
                     compared.plot(plot)
             continue
-        with under_way("threshold"):
+        with show_progress("threshold"):
             threshold = ss.pure_slip_damping(at.law, **at.texts, method=method, rtol=rtol, time_limit=limit)
             _ = threshold.uncertainty  # warns where the first order is not enough
         text = f"c = {threshold}"
@@ -88,6 +88,6 @@ def _draw(path: Path, threshold: Threshold[float]) -> None:
     from stickslip_sym.output.drawing import save
     from stickslip_sym.views.threshold_plane import figure_of_plane
 
-    with under_way("thresholds over the belt speed"):
+    with show_progress("thresholds over the belt speed"):
         figure = figure_of_plane(threshold)
     save(figure, path)

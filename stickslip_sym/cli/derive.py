@@ -11,7 +11,7 @@ import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.arguments import criteria_of, point
 from stickslip_sym.cli.options import Given, option
-from stickslip_sym.cli.output import Json, echo_all, under_way
+from stickslip_sym.cli.output import Json, echo_all, show_progress
 from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.core.progress import steps
 
@@ -27,7 +27,7 @@ _LONGEST = 4000  # characters of a formula on the screen
     option("--steps", is_flag=True, help="Print every step of the derivation."),
     option("--verify", is_flag=True, help="Run the page in SymPy that proves the formula."),
     options.file_option("--latex", help="Write the formula as LaTeX."),
-    options.time_limit("Seconds for each criterion (120).", SECONDS),
+    options.time_limit_option("Seconds for each criterion (120).", SECONDS),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Derive the closed form of a criterion, prove it, and cross-check its value.
@@ -59,12 +59,12 @@ def run(given: Given) -> None:
     rows, texts = list[Json](), [str(at)]
     for criterion, form in derivations.items():
         closed = None if isinstance(form, NoClosedForm) else form
-        with under_way("table of values"):
+        with show_progress("table of values"):
             checks = None if law.missing else crosscheck(law, criterion, at.texts, closed)
         rows.append({"criterion": criterion.name, "form": form, "checks": checks})
         lines = [f"no closed form: {law.name or 'the law'}, {criterion.name}"]
         if closed is not None:
-            lines = _lines(closed)
+            lines = _form_lines(closed)
         if steps and closed is not None:
             rows[-1]["steps"] = closed.derivation.steps
             lines += ["", closed.derivation.text()]
@@ -87,7 +87,7 @@ def derived(
         law, criterion = pair
         return f"{criterion.name} of {law.name or 'the law'}"
 
-    with under_way(f"closed forms, {seconds:.0f} s each at most"), steps(wanted, what) as pairs:
+    with show_progress(f"closed forms, {seconds:.0f} s each at most"), steps(wanted, what) as pairs:
         for law, criterion in pairs:
             try:
                 forms.append(ss.derive(law, criterion, time_limit=seconds))
@@ -96,7 +96,7 @@ def derived(
     return forms
 
 
-def _lines(form: ClosedForm) -> list[str]:
+def _form_lines(form: ClosedForm) -> list[str]:
     """Return a form as lines of text, its formula no longer than a few screens."""
     from stickslip_sym.formula.proof.normal_form import arguments_of_arctangents, factor_of_sign
     from stickslip_sym.output import abbreviation, printing

@@ -33,7 +33,7 @@ _KINDS = ("latex", *LANGUAGES, "certificate", "save")
     option("--fragment", is_flag=True, help="LaTeX for \\input: without preamble."),
     option("--steps", is_flag=True, help="LaTeX with every step of the derivations."),
     pairs("--symbol", text="Print a symbol otherwise.", example="--symbol V=v_b", metavar="NAME=LATEX"),
-    options.time_limit("Seconds for each criterion (120).", SECONDS),
+    options.time_limit_option("Seconds for each criterion (120).", SECONDS),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Write criteria as LaTeX, Python, C, Octave or a proof. If anything fails, nothing is written.
@@ -42,7 +42,7 @@ def run(given: Given) -> None:
     """
     from stickslip_sym.certificates.closed_forms import certificate_of_forms
     from stickslip_sym.certificates.coq.coq_script import coq_script_of_one
-    from stickslip_sym.model.law_files import text_of
+    from stickslip_sym.model.law_files import law_text
     from stickslip_sym.output import files
 
     targets: dict[str, Path] = {kind: given[kind] for kind in _KINDS if given[kind] is not None}
@@ -52,7 +52,7 @@ def run(given: Given) -> None:
     if len({path.resolve() for path in targets.values()}) < len(targets):
         raise InputError("two outputs have the same file; give each one of its own")
     chosen, limit, every = criteria_of(given["criterion"]), given["time_limit"], given["all"]
-    laws, code = _laws(given), targets.keys() & LANGUAGES.keys()
+    laws, code = _laws_to_export(given), targets.keys() & LANGUAGES.keys()
     style: dict[str, Any] = {}
     if "latex" in targets:
         style = {"fragment": given["fragment"], "steps": given["steps"], "symbols": given["symbol"]}
@@ -80,11 +80,11 @@ def run(given: Given) -> None:
     write = {
         "latex": lambda: ss.export_latex(forms, missing=missing, **style),
         "certificate": lambda: coq_script_of_one(forms) if in_coq else certificate_of_forms(forms),
-        "save": lambda: text_of(laws),
+        "save": lambda: law_text(laws),
     }
     files.write_texts(
         {
-            path: write[kind]() if kind in write else ss.export_code(coded, kind, name=_name(kind, path))
+            path: write[kind]() if kind in write else ss.export_code(coded, kind, name=_function_name(kind, path))
             for kind, path in targets.items()
         }
     )
@@ -104,12 +104,12 @@ def run(given: Given) -> None:
         click.echo(f"{kind}: {count} {word if count == 1 else more} in {path}", err=streamed)
 
 
-def _name(kind: str, path: Path) -> str:
+def _function_name(kind: str, path: Path) -> str:
     """Return the name of a function in a file: Octave finds it by that of the file."""
     return path.stem if kind == "octave" and path.suffix == ".m" else "damping"
 
 
-def _laws(given: Given) -> list[ss.FrictionLaw]:
+def _laws_to_export(given: Given) -> list[ss.FrictionLaw]:
     texts = given["laws"]
     if given["all"]:
         if texts:

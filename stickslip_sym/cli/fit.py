@@ -12,7 +12,7 @@ import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.arguments import law_described, reading_of
 from stickslip_sym.cli.options import LAW_NAMES, Given, option, pairs
-from stickslip_sym.cli.output import echo_all, under_way
+from stickslip_sym.cli.output import echo_all, show_progress
 from stickslip_sym.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def run(given: Given) -> None:
     laws = laws_to_fit(given["law"], given)
     contents, texts = [], []
     for file in files:
-        fits = fitted(file, laws, given)
+        fits = fit_file(file, laws, given)
         contents.append({"file": file, "fits": fits})
         above = f"{file}:\n" if len(files) > 1 else ""
         texts.append(f"{above}{fits}\n\n{fits.best}")
@@ -47,15 +47,15 @@ def run(given: Given) -> None:
     echo_all(given, contents, texts, "files")
 
 
-def fitted(file: Path, laws: Sequence[ss.FrictionLaw], given: Given) -> Fits:
+def fit_file(file: Path, laws: Sequence[ss.FrictionLaw], given: Given) -> Fits:
     """Return the fits of laws to a file of measurements; all other options were read before."""
     reading = reading_of(given)
     given.reject_unused()
-    with under_way(f"reading {file.name}"):
+    with show_progress(f"reading {file.name}"):
         measured = ss.read_measurements(file, **reading)
     if given.command != "fit":  # whose answer begins with it
         click.echo(f"{measured.preview()}\n", err=True)
-    with under_way("fits"):
+    with show_progress("fits"):
         return ss.fit(measured, laws=laws)
 
 

@@ -11,7 +11,7 @@ import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.arguments import point
 from stickslip_sym.cli.options import Given, option, read_number
-from stickslip_sym.cli.output import echo_found, under_way
+from stickslip_sym.cli.output import echo_found, show_progress
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.tables import table
 
@@ -28,14 +28,14 @@ def read_axis_option(text: str, option: str, law: ss.FrictionLaw) -> tuple[str, 
     """Read NAME=START:STOP:COUNT, the ends in SI units or others."""
     import numpy as np
 
-    from stickslip_sym.core.units import in_si, with_unit_of
+    from stickslip_sym.core.units import share_unit, si_number
 
-    name, parts, equals = _name(text), text.partition("=")[2].split(":"), "=" in text
+    name, parts, equals = _axis_name(text), text.partition("=")[2].split(":"), "=" in text
     if not equals or len(parts) != 3:
         raise InputError(f"{option} {text[:60]!r} is not {_AXIS}; write for example {option} V=0.01:1:100")
-    ends = with_unit_of(parts[1], parts[0]), parts[1]
+    ends = share_unit(parts[1], parts[0]), parts[1]
     start, stop = (
-        read_number(in_si(end, name, options.unit_of(law, name)), f"the {which} of {name}")
+        read_number(si_number(end, name, options.unit_of_option(law, name)), f"the {which} of {name}")
         for which, end in zip(("start", "stop"), ends, strict=True)
     )
     count = int(parts[2]) if parts[2].isdecimal() and len(parts[2]) <= 7 else 0
@@ -47,7 +47,7 @@ def read_axis_option(text: str, option: str, law: ss.FrictionLaw) -> tuple[str, 
     return name, np.linspace(start, stop, count)
 
 
-def _name(text: str) -> str:
+def _axis_name(text: str) -> str:
     """Return the quantity of an axis."""
     return text.partition("=")[0].strip()
 
@@ -65,14 +65,14 @@ def _axis(name: str, text: str) -> click.Option:
     options.file_option("--csv", help="Write a line for each cell."),
     options.file_option("--npz", help="Write NumPy arrays."),
     option("--workers", metavar="N", type=int, default=1, help="Threads; -1 for all processors."),
-    options.time_limit("Seconds; the cells that are left then are undecided."),
+    options.time_limit_option("Seconds; the cells that are left then are undecided."),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Map the motions that exist, and the three thresholds, over a plane.
 
     Example: stickslip map exponential --x V=0.01:1:100 --y c=0:6:100 --plot map.png
     """
-    names = _name(given["x"]), _name(given["y"])
+    names = _axis_name(given["x"]), _axis_name(given["y"])
     if twice := given["parameter"].keys() & set(names):
         raise InputError(f"{min(twice)} is an axis, and given by -p too; leave one of the two out")
     at = point(given, without=names).exact("map")
@@ -81,7 +81,7 @@ def run(given: Given) -> None:
     csv, npz, plot = given["csv"], given["npz"], given["plot"]
     given.reject_unused()
     _warn_at_corners(at.law, (x, y), at.numbers)
-    with under_way("map"):
+    with show_progress("map"):
         motions = ss.motion_map(at.law, x=x, y=y, **how)
     echo_found(given, at, report(motions), x=motions.x, y=motions.y, map=motions)
     if csv is not None:

@@ -135,17 +135,17 @@ def read_number(text: Any, name: str) -> float:
 
 def read_range(text: str, name: str, *, of: str, unit: str | None = None, half: bool = False) -> tuple[Any, ...]:
     """Read LOW:HIGH, values of a quantity in SI units or others; where `half` is true either may be left out."""
-    from stickslip_sym.core.units import in_si, with_unit_of
+    from stickslip_sym.core.units import share_unit, si_number
 
     ends = text.split(":")
     if len(ends) != 2 or (not half and not all(ends)):
         raise InputError(f"{name} {text[:60]!r} is not LOW:HIGH; write for example {name} 0.1:10")
     if all(ends):
-        ends[0] = with_unit_of(ends[1], ends[0])
-    return tuple(read_number(in_si(end, of, unit), name) if end else None for end in ends)
+        ends[0] = share_unit(ends[1], ends[0])
+    return tuple(read_number(si_number(end, of, unit), name) if end else None for end in ends)
 
 
-def unit_of(law: ss.FrictionLaw, name: str) -> str | None:
+def unit_of_option(law: ss.FrictionLaw, name: str) -> str | None:
     """Return the unit that numbers of a quantity or a parameter may have: empty for any, None for its own."""
     return (law.parameters[name].unit or "") if name in law.parameters else None
 
@@ -181,7 +181,7 @@ def plot_option(text: str) -> click.Option:
     return file_option("--plot", endings=_PICTURES, help=f"{text} (SVG, PNG or PDF).")
 
 
-def time_limit(text: str = "Seconds of computation.", default: float | None = None) -> click.Option:
+def time_limit_option(text: str = "Seconds of computation.", default: float | None = None) -> click.Option:
     """Return the option that limits the time."""
     return option("--time-limit", metavar="S", read=read_number, default=default, help=text)
 

@@ -37,7 +37,7 @@ _LONGEST = 60  # characters of what is under way
 
 
 @contextmanager
-def under_way(what: str) -> Iterator[None]:
+def show_progress(what: str) -> Iterator[None]:
     """Show on a terminal, and nowhere else, what is computed, how far that is, and since when."""
     if not sys.stderr.isatty():
         yield
@@ -53,14 +53,14 @@ def under_way(what: str) -> Iterator[None]:
 
         def show(path: tuple[StepOfWork, ...]) -> None:
             outermost = next((step for step in path if step.total > 1), StepOfWork("", 0, 0))
-            description = ": ".join([what, *map(_in_words, path)])
+            description = ": ".join([what, *map(_progress_text, path)])
             shown.update(task, description=description, completed=outermost.done, total=outermost.total or None)
 
         with report_every_step_to(show):
             yield
 
 
-def _in_words(step: StepOfWork) -> str:
+def _progress_text(step: StepOfWork) -> str:
     words = step.what if len(step.what) <= _LONGEST else f"{step.what[:_LONGEST]}..."
     return f"{words} ({step.done} of {step.total})" if step.total > 1 else words
 

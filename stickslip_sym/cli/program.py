@@ -14,7 +14,7 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from stickslip_sym.cli.wording import in_options
+from stickslip_sym.cli.wording import option_wording
 from stickslip_sym.core.errors import InputError, InputWarning, StickSlipError
 from stickslip_sym.core.foreign import printable
 from stickslip_sym.core.names import suggestion
@@ -68,7 +68,7 @@ class Program(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command; an error goes to stderr in a line or two, and decides the exit code."""
-        with worded(lambda remedy: in_options(remedy, ctx)):
+        with worded(lambda remedy: option_wording(remedy, ctx)):
             try:
                 return super().invoke(ctx)
             except StickSlipError as error:
@@ -100,10 +100,10 @@ def program(context: click.Context) -> None:
 def main() -> None:
     """Run the command line; errors go to stderr in a line or two, and decide the exit code."""
     with _warnings_in_a_line():
-        sys.exit(_run())
+        sys.exit(_run_command())
 
 
-def _run() -> int:
+def _run_command() -> int:
     try:
         code = program.main(prog_name="stickslip", standalone_mode=False)
         return code if isinstance(code, int) else 0

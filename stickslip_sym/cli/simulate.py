@@ -7,7 +7,7 @@ import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.arguments import point
 from stickslip_sym.cli.options import Given, option, read_number
-from stickslip_sym.cli.output import echo_found, under_way
+from stickslip_sym.cli.output import echo_found, show_progress
 from stickslip_sym.output.tables import table
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ _LONGEST = 5.0  # seconds, to find where the motion leads
     option("--t-end", metavar="S", read=read_number, help="Duration (ten natural periods)."),
     option("--rtol", metavar="X", read=read_number, default=1e-10, help="Relative tolerance of a step (1e-10)."),
     option("--method", metavar="NAME", default="events", help="events, or solve_ivp of SciPy (events)."),
-    options.time_limit(),
+    options.time_limit_option(),
     options.plot_option("Draw the motion"),
     options.file_option("--csv", help="Write the samples."),
 )  # fmt: skip
@@ -44,12 +44,12 @@ def run(given: Given) -> None:
     given.reject_unused()
     osc = ss.Oscillator(**at.numbers)
     warn_where_negative(at.law.kinetic, osc.V)
-    with under_way("motion" if t_end is None else f"motion up to {t_end:.4g} s"):
+    with show_progress("motion" if t_end is None else f"motion up to {t_end:.4g} s"):
         motion = ss.simulate(at.law, osc, t_end=t_end, **initial, **how)
     end = None
     if motion.motion not in (ss.Motion.REST, ss.Motion.STICK_SLIP, ss.Motion.PURE_SLIP, ss.Motion.UNBOUNDED):
         try:
-            with under_way("what it comes to"), limited(min(_LONGEST, how["time_limit"] or _LONGEST)):
+            with show_progress("what it comes to"), limited(min(_LONGEST, how["time_limit"] or _LONGEST)):
                 end = ss.classify(at.law, osc, **initial).value
         except ss.StickSlipError as error:
             end = f"not found: {error}"

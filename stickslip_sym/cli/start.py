@@ -34,7 +34,7 @@ def main() -> None:
 
     if heard is signal.default_int_handler:
         signal.signal(signal.SIGINT, heard)
-    signal.signal(signal.SIGTERM, _end)
+    signal.signal(signal.SIGTERM, _end_by_signal)
     program.main()
 
 
@@ -44,6 +44,6 @@ def _leave(number: int, frame: FrameType | None) -> NoReturn:
     os._exit(_SIGNALLED + number)
 
 
-def _end(number: int, frame: FrameType | None) -> NoReturn:
+def _end_by_signal(number: int, frame: FrameType | None) -> NoReturn:
     """End by an exception, so that files which are half written are removed."""
     raise SystemExit(_SIGNALLED + number)

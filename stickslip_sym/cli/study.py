@@ -8,9 +8,9 @@ from pathlib import Path
 import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.arguments import points, reading_of
-from stickslip_sym.cli.fit import fitted, laws_to_fit
+from stickslip_sym.cli.fit import fit_file, laws_to_fit
 from stickslip_sym.cli.options import Given, option
-from stickslip_sym.cli.output import echo_all, under_way
+from stickslip_sym.cli.output import echo_all, show_progress
 from stickslip_sym.core.errors import InputError
 
 _PAGE, _PAGES = "study.html", (".html", ".htm", ".xhtml")
@@ -25,7 +25,7 @@ _SECONDS = 20.0  # for the criteria of a page with sliders
     options.file_option(
         "--explore", endings=_PAGES[:2], help="A page with sliders, in place of the study's, or with -o beside it."
     ),
-    options.time_limit("Seconds for each part (20)."),
+    options.time_limit_option("Seconds for each part (20)."),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Write one page on one operating point: law, thresholds, motions, uncertainty, margins, formulas.
@@ -64,7 +64,7 @@ def run(given: Given) -> None:
     else:
         laws = laws_to_fit([given["law"]] if given["law"] else (), given)
         at = points(given, c="0", law=laws[0])
-        fits = fitted(file, laws, given)
+        fits = fit_file(file, laws, given)
         at = [replace(point, law=fits.best.law) for point in at]
     stems = [point.file.stem for point in at if point.file is not None]
     if twice := sorted({stem for stem in stems if stems.count(stem) > 1}):
@@ -76,7 +76,7 @@ def run(given: Given) -> None:
         osc, written = ss.Oscillator(**point.numbers), list[str]()
         contents.append({"operating_point": point, "page": page, "pdf": paper})
         if page is not None:
-            with under_way("study"):
+            with show_progress("study"):
                 study = ss.study(
                     fits or point.law, osc, errors=point.texts, measured=measured, name=name,
                     defaults=(*point.typical, *point.defaults), time_limit=limit,
@@ -89,7 +89,7 @@ def run(given: Given) -> None:
                 study.print(paper)
                 written.append(f"{paper}: the same, printed")
         if sliders is not None:
-            with under_way("the page with sliders"):
+            with show_progress("the page with sliders"):
                 best = fits.best if fits is not None else None
                 explored = explorer(
                     point.law if best is None else best.law.bind(**best.uncertain), osc, title=name or "",

@@ -6,7 +6,7 @@ import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.arguments import point
 from stickslip_sym.cli.options import Given, option
-from stickslip_sym.cli.output import echo_found, under_way
+from stickslip_sym.cli.output import echo_found, show_progress
 
 
 @options.command(
@@ -16,7 +16,7 @@ from stickslip_sym.cli.output import echo_found, under_way
     option("--all", is_flag=True, help="Of a criterion, a threshold and a share, in one run."),
     options.DAMPING,
     options.plot_option("Draw error against time"),
-    options.time_limit("Seconds; methods that are left then have no number (600).", 600.0),
+    options.time_limit_option("Seconds; methods that are left then have no number (600).", 600.0),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Measure what each method for a number costs, how far it is off, and which other method dominates it.
@@ -39,7 +39,7 @@ def run(given: Given) -> None:
     limit, plot = given["time_limit"], given["plot"]
     given.reject_unused()
     quantities: dict[str, Any] = dict(at.texts)
-    with under_way("methods, each several times"):
+    with show_progress("methods, each several times"):
         tradeoff = ss.tradeoff(at.law, of=kinds, time_limit=limit, **more, **quantities)
     echo_found(given, at, tradeoff, **more, trades=tradeoff.trades, refused=tradeoff.refused)
     if plot is not None:

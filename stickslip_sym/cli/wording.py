@@ -8,7 +8,7 @@ import click
 from stickslip_sym.core.remedies import AnySign, Argument, Call, Name, ParameterValues, Reading, Remedy
 
 
-def in_options(remedy: Remedy, context: click.Context) -> str:
+def option_wording(remedy: Remedy, context: click.Context) -> str:
     """Return what to give as a user of the command line gives it; `context` is that of the program."""
     match remedy:
         case Name(name):
@@ -19,7 +19,7 @@ def in_options(remedy: Remedy, context: click.Context) -> str:
         case Argument(name, tuple(ends)):
             return _given(context, name, ":".join(map(str.upper, ends)))
         case Argument(name, value):
-            return _given(context, name, "" if value is True else _text(value))
+            return _given(context, name, "" if value is True else _quoted_for_shell(value))
         case ParameterValues(values):
             return " ".join(f"-p {_pair(*entry)}" for entry in values.items())
         case AnySign(parameter):
@@ -67,9 +67,9 @@ def _option(name: str) -> str:
 
 
 def _pair(name: str, value: object) -> str:
-    return f"{name}={_text(value)}"
+    return f"{name}={_quoted_for_shell(value)}"
 
 
-def _text(value: object) -> str:
+def _quoted_for_shell(value: object) -> str:
     text = "..." if value is ... else str(value)
     return f'"{text}"' if " " in text else text

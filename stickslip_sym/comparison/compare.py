@@ -26,7 +26,7 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.methods import Reference, find_method
 from stickslip_sym.motion.thresholds.methods import methods as every_method
-from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, of_oscillator
+from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, oscillator_quantities
 from stickslip_sym.motion.thresholds.threshold import Threshold, threshold_at
 from stickslip_sym.output.data import DataResult, TableResult, columns_of
 from stickslip_sym.output.shown import Report, views_of
@@ -123,7 +123,7 @@ def measured(
         return Row(method, setting=setting, seconds=process_time() - begin, reason=str(error))
 
 
-def of_threshold(threshold: Threshold[float]) -> dict[str, Any]:
+def threshold_row(threshold: Threshold[float]) -> dict[str, Any]:
     """Return what stands in a row of a threshold."""
     values = {name: getattr(threshold, name) for name in ("value", "relative_error", "status")}
     return values | {"threshold": threshold}
@@ -234,7 +234,7 @@ def compare(
     if (osc is None) == (not point):
         raise InputError("give the operating point once: an Oscillator, or V, N, m and k")
     if osc is not None:
-        point = of_oscillator(osc, {}, "VNmk")
+        point = oscillator_quantities(osc, {}, "VNmk")
     if unknown := sorted(point.keys() - set("VNmk")):
         raise InputError(f"an operating point has V, N, m and k, not {', '.join(unknown)}")
     if methods is None:
@@ -254,5 +254,5 @@ def compare(
     rows = [Row("")] * len(methods)
     with steps(order, lambda _: "methods") as numbers:
         for i in numbers:
-            rows[i] = measured(methods[i], partial(threshold, methods[i]), of_threshold)
+            rows[i] = measured(methods[i], partial(threshold, methods[i]), threshold_row)
     return Comparison(law.name or "a law", tuple(rows), point)

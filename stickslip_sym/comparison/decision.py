@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip_sym.core.uncertain import interval, with_error
+from stickslip_sym.core.uncertain import interval_text, text_with_error
 from stickslip_sym.model.fitting.averaged import Averaged
 from stickslip_sym.model.fitting.weights import RANKED
 from stickslip_sym.model.law import FrictionLaw
@@ -150,7 +150,7 @@ class Decision(DataResult):
     @property
     def range_in_words(self) -> str:
         """The range as text; empty if there is none."""
-        return interval(*self.range) if self.range is not None else ""
+        return interval_text(*self.range) if self.range is not None else ""
 
     @property
     def statement(self) -> str:
@@ -170,15 +170,15 @@ class Decision(DataResult):
         if self.probability_in_words is not None:
             remarks.append(f"P {self.probability_in_words} that c is below it")
         side = "below" if self.c < self.value else "above"
-        threshold = f"the threshold of {rounded(self.value, self.standard_error)} kg/s"
+        threshold = f"the threshold of {value_text(self.value, self.standard_error)} kg/s"
         if self.averaged is not None and len(self.averaged.rows) > 1:
             threshold += f", averaged over {len(self.averaged.rows)} laws"
         more = f" ({', '.join(remarks)})" if remarks else ""
         unmeasured = f"; {self._of_unmeasured}" if self._of_unmeasured else ""
-        return f"c = {rounded(self.c, self.c_error)} kg/s is {apart}{side} {threshold}{more}{unmeasured}"
+        return f"c = {value_text(self.c, self.c_error)} kg/s is {apart}{side} {threshold}{more}{unmeasured}"
 
     def _statement_of_few(self) -> str:
-        c = f"c = {rounded(self.c, self.c_error)} kg/s"
+        c = f"c = {value_text(self.c, self.c_error)} kg/s"
         said = f"too few rows to rank laws: {self._speeds} speeds"
         advice = f"; measure at {RANKED} speeds or more"
         if self.averaged is None or self.range is None or self.by_law is None or self.chance is None:
@@ -226,6 +226,6 @@ def chance_in_words(chance: float, least: float) -> str:
     return f"> {1 - least:g}" if chance > 1 - least else f"{chance:.2g}"
 
 
-def rounded(value: float, error: float | None) -> str:
+def value_text(value: float, error: float | None) -> str:
     """Return a value with its standard error as text, or to four digits if it has none."""
-    return with_error(value, error) if error else f"{value:.4g}"
+    return text_with_error(value, error) if error else f"{value:.4g}"

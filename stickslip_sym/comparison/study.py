@@ -13,7 +13,7 @@ from types import SimpleNamespace
 from typing import Any, Literal
 
 from stickslip_sym.comparison.compare import Row, compare
-from stickslip_sym.comparison.decision import Decision, rounded, unmeasured_part
+from stickslip_sym.comparison.decision import Decision, unmeasured_part, value_text
 from stickslip_sym.comparison.plane import Plane, plane
 from stickslip_sym.core.deadline import require_seconds
 from stickslip_sym.core.deadline import time_limit as limited
@@ -245,7 +245,7 @@ class Study(Report, DataResult):
             sentences.append(f"The pure-slip damping{by} is {self.threshold}.")
         if self.choice is not None and len(self.choice.rows) > 1:
             laws = [
-                f"{rounded(row.value, row.standard_error)} kg/s by {row.law} (weight {row.weight:.2g})"
+                f"{value_text(row.value, row.standard_error)} kg/s by {row.law} (weight {row.weight:.2g})"
                 for row in self.choice.rows
             ]
             sentences.append(f"It is {', '.join(laws)}.")

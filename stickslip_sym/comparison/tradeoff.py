@@ -16,7 +16,7 @@ import numpy as np
 import sympy as sp
 from flint import arb
 
-from stickslip_sym.comparison.compare import Comparison, Row, measured, of_threshold
+from stickslip_sym.comparison.compare import Comparison, Row, measured, threshold_row
 from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
@@ -29,7 +29,7 @@ from stickslip_sym.core.remedies import Call, ParameterValues
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion, CriterionName, find
 from stickslip_sym.formula.closed_form import ClosedForm, derive
-from stickslip_sym.formula.evaluation.reference_average import slope_of
+from stickslip_sym.formula.evaluation.reference_average import stable_slope_of
 from stickslip_sym.model.expression.pieces import jumps
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
@@ -197,7 +197,7 @@ def tradeoff(
     numbers = {name: float(exact(value, name)) for name, value in (PAPER | given).items()}
     damping = None if c is None else float(exact(c, "c"))
     trades: dict[str, Callable[[], Trade]] = {
-        "criterion": lambda: _criterion(law, chosen, {**PAPER, "V": LOW_SPEED, **given}),
+        "criterion": lambda: _measure_criterion(law, chosen, {**PAPER, "V": LOW_SPEED, **given}),
         "threshold": lambda: _threshold(law, numbers),
         "basin": lambda: _basin(law, numbers, damping),
     }
@@ -214,13 +214,13 @@ def tradeoff(
 
 
 def _title(what: str, law: FrictionLaw, point: Mapping[str, object]) -> str:
-    return f"{what}, {law.name or 'the law'}, {symbols.in_words(point)}"
+    return f"{what}, {law.name or 'the law'}, {symbols.quantities_text(point)}"
 
 
 # -- the value of a criterion ------------------------------------------------------------------------
 
 
-def _criterion(law: FrictionLaw, criterion: Criterion, point: Mapping[str, Number]) -> Trade:
+def _measure_criterion(law: FrictionLaw, criterion: Criterion, point: Mapping[str, Number]) -> Trade:
     """Measure the methods for the value of a criterion, held against the closed form in 70 digits."""
     form = derive(law, criterion, time_limit=max(0.0, min(_DERIVING, deadline.time_left())))
     # Floats are what every method gets, so that none is blamed for the rounding of the input.
@@ -263,7 +263,7 @@ def _integrand(form: ClosedForm, V: float, N: float) -> Callable[[FloatArray], F
     ends, point = sp.symbols("p q", positive=True, cls=sp.Dummy), form.law.point
     weight = function_of(ends, form.criterion.from_ends(*ends), "numpy")
     slope = partial(
-        function_of([*point, symbols.v], slope_of(form.law.expr), "numpy"), *map(float, point.values())
+        function_of([*point, symbols.v], stable_slope_of(form.law.expr), "numpy"), *map(float, point.values())
     )
 
     def integrand(angle: FloatArray) -> FloatArray:
@@ -318,7 +318,7 @@ def _threshold(law: FrictionLaw, point: Mapping[str, float]) -> Trade:
         except (OutOfTime, NotConverged, NoThreshold):
             errors = []
         further = {_LARGEST: max(errors)} if errors else {}
-        return of_threshold(threshold) | {"relative_error": error(threshold, right), "further": further}
+        return threshold_row(threshold) | {"relative_error": error(threshold, right), "further": further}
 
     def judge_number(value: float) -> dict[str, Any]:
         return {"value": value, "relative_error": abs(value / right - 1), "status": Status.ESTIMATED}
@@ -339,7 +339,7 @@ def _threshold(law: FrictionLaw, point: Mapping[str, float]) -> Trade:
 
 def _basin(law: FrictionLaw, point: Mapping[str, float], c: float | None) -> Trade:
     """Measure the methods for the share of initial conditions that come to rest, against its area."""
-    osc = Oscillator(c=_between_thresholds(law, point) if c is None else c, **point)
+    osc = Oscillator(c=_damping_between_thresholds(law, point) if c is None else c, **point)
     reach = _REACH * osc.V
     x0, v0 = (-reach / osc.omega, reach / osc.omega), (0.0, reach)
     geometry = partial(basin_map, law, osc, x0=x0, v0=v0)
@@ -389,7 +389,7 @@ def _basin(law: FrictionLaw, point: Mapping[str, float], c: float | None) -> Tra
     return Trade(title, tuple(rows), numbers, "share")
 
 
-def _between_thresholds(law: FrictionLaw, point: Mapping[str, float]) -> float:
+def _damping_between_thresholds(law: FrictionLaw, point: Mapping[str, float]) -> float:
     """Return the damping halfway from that where rest becomes stable to the threshold."""
     stable, threshold = (
         float(pure_slip_damping(law, **point, method=method).value) for method in ("equilibrium", "auto")

@@ -19,7 +19,7 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import CONSTANTS, Function, fold, row
 from stickslip_sym.core.interrupts import held_back
-from stickslip_sym.core.precision import in_mpmath, working_precision
+from stickslip_sym.core.precision import middle_in_mpmath, working_precision
 
 Z = TypeVar("Z", acb, arb_series)
 BallFunction = Callable[[acb, bool], acb]
@@ -56,7 +56,7 @@ def ball_value(expr: Expr, point: Point, otherwise: Otherwise | None = None) -> 
 
     A function that is not in the table is refused, unless `otherwise` encloses it.
     """
-    decided = chosen(expr, point) if expr.has(sp.Piecewise) else expr
+    decided = resolve_kinks(expr, point) if expr.has(sp.Piecewise) else expr
     return cast(acb, fold(decided, _Balls(point, otherwise=otherwise)))
 
 
@@ -248,14 +248,14 @@ def number_at(expr: Expr, point: Mapping[Expr, Expr]) -> Expr:
     It is exact where sums, products, whole powers, Abs, Min, Max and pieces suffice, else a Float of 4000 bits;
     NaN where there is no finite real value.
     """
-    expr = chosen(expr, point) if expr.has(sp.Piecewise) else expr
+    expr = resolve_kinks(expr, point) if expr.has(sp.Piecewise) else expr
     if (exact := fold(expr, _rationals(point))) is not None:
         return exact
     with working_precision(_NUMBER_BITS + 64):
         value = ball_value(expr, point)
         if not (value.is_finite() and value.imag.contains(0)):
             return sp.nan
-    return sp.Float._new(mpf_pos(in_mpmath(value.real)._mpf_, _NUMBER_BITS, round_nearest), _NUMBER_BITS)
+    return sp.Float._new(mpf_pos(middle_in_mpmath(value.real)._mpf_, _NUMBER_BITS, round_nearest), _NUMBER_BITS)
 
 
 def place_at(place: Expr, point: Mapping[Expr, Expr]) -> Expr:
@@ -296,7 +296,7 @@ _COMPARISONS = {
 }  # fmt: skip
 
 
-def chosen(expr: Expr, point: Point) -> Expr:
+def resolve_kinks(expr: Expr, point: Point) -> Expr:
     """Return an expression with each kink replaced by what holds at a point; its other symbols stay."""
     if isinstance(expr, sp.Piecewise):  # looking through all pieces takes long where they are many
         return _decided(expr, point)
@@ -305,10 +305,10 @@ def chosen(expr: Expr, point: Point) -> Expr:
 
 def _decided(node: Expr, point: Point) -> Expr:
     if isinstance(node, sp.Piecewise):
-        return next(chosen(part, point) for part, holds in node.args if _holds(holds, point))
+        return next(resolve_kinks(part, point) for part, holds in node.args if _holds(holds, point))
     values = {argument: number_at(argument, point) for argument in node.args}
     best = node.func(*values.values())
-    return next(chosen(argument, point) for argument, value in values.items() if value == best)
+    return next(resolve_kinks(argument, point) for argument, value in values.items() if value == best)
 
 
 def _holds(condition: Expr, point: Point) -> bool:

@@ -103,12 +103,12 @@ def power(base: Expr, exponent: Expr) -> Expr:
 # -- where branch cuts lie, and differences without cancellation -----------------------------------
 
 
-def _below_zero(z: acb) -> bool:
+def _cut_below_zero(z: acb) -> bool:
     return bool(z.imag.contains(0) and not z.real > 0)
 
 
-def _below_one(z: acb) -> bool:
-    return _below_zero(z - 1)
+def _cut_below_one(z: acb) -> bool:
+    return _cut_below_zero(z - 1)
 
 
 def _sech(z: acb) -> acb:
@@ -117,11 +117,11 @@ def _sech(z: acb) -> acb:
     return 2 * decaying / (1 + decaying * decaying)
 
 
-def _outside_real_unit(z: acb) -> bool:
+def _cut_outside_real_unit(z: acb) -> bool:
     return bool(z.imag.contains(0) and not abs(z.real) < 1)
 
 
-def _outside_imaginary_unit(z: acb) -> bool:
+def _cut_outside_imaginary_unit(z: acb) -> bool:
     return bool(z.real.contains(0) and not abs(z.imag) < 1)
 
 
@@ -144,11 +144,11 @@ def _where_it_converges(upper: Expr, lower: Expr, z: Expr) -> Sequence[Expr] | N
     return () if len(upper) <= len(lower) else (1 - z,)
 
 
-def _bessel(sign: int) -> Callable[[Expr, Expr], Expr]:
+def _bessel_by_hypergeometric(sign: int) -> Callable[[Expr, Expr], Expr]:
     return lambda n, z: (z / 2) ** n / sp.factorial(n) * sp.hyper((), (n + 1,), sign * z**2 / 4)
 
 
-def _of_whole_order(order: Expr, z: Expr) -> Sequence[Expr] | None:
+def _domain_of_whole_order(order: Expr, z: Expr) -> Sequence[Expr] | None:
     return () if order.is_Integer else None
 
 
@@ -218,7 +218,7 @@ _ROWS = (
     Function(
         sp.log,
         acb.log,
-        _below_zero,
+        _cut_below_zero,
         arb_series.log,
         stable_difference=lambda x, a, step: log1p(step / a),
         inverse=sp.exp,
@@ -325,7 +325,7 @@ _ROWS = (
     Function(
         sp.asinh,
         lambda z: (z + (z * z + 1).sqrt()).log(),
-        _outside_imaginary_unit,
+        _cut_outside_imaginary_unit,
         series=lambda z: (z + (z * z + 1).sqrt()).log(),
         stable_difference=_difference_of_asinh,
         inverse=sp.sinh,
@@ -335,12 +335,12 @@ _ROWS = (
         latex=r"\operatorname{arsinh}",
         meaning=r"$\operatorname{arsinh}$ is the inverse hyperbolic sine",
     ),
-    Function(sp.acosh, acb.acosh, _below_one, latex=r"\operatorname{arcosh}"),
-    Function(sp.atanh, acb.atanh, _outside_real_unit, latex=r"\operatorname{artanh}"),
+    Function(sp.acosh, acb.acosh, _cut_below_one, latex=r"\operatorname{arcosh}"),
+    Function(sp.atanh, acb.atanh, _cut_outside_real_unit, latex=r"\operatorname{artanh}"),
     Function(
         sp.atan,
         acb.atan,
-        _outside_imaginary_unit,
+        _cut_outside_imaginary_unit,
         arb_series.atan,
         stable_difference=lambda x, a, step: sp.atan2(step, 1 + x * a),
         analytic=True,
@@ -352,7 +352,7 @@ _ROWS = (
     Function(
         sp.asin,
         acb.asin,
-        _outside_real_unit,
+        _cut_outside_real_unit,
         domain=lambda z: (1 - z**2,),
         in_laws=True,
         aliases=("arcsin",),
@@ -361,7 +361,7 @@ _ROWS = (
     Function(
         sp.acos,
         acb.acos,
-        _outside_real_unit,
+        _cut_outside_real_unit,
         domain=lambda z: (1 - z**2,),
         in_laws=True,
         aliases=("arccos",),
@@ -387,13 +387,13 @@ _ROWS = (
     ),
     Function(sp.erfi, acb.erfi, series=arb_series.erfi, analytic=True),
     Function(expm1, acb.expm1, floats=np.expm1),
-    Function(log1p, acb.log1p, lambda z: _below_zero(1 + z)),
+    Function(log1p, acb.log1p, lambda z: _cut_below_zero(1 + z)),
     Function(
         sp.besseli,
         lambda order, z: z.bessel_i(order),
         _anywhere,
-        domain=_of_whole_order,
-        hypergeometric=_bessel(1),
+        domain=_domain_of_whole_order,
+        hypergeometric=_bessel_by_hypergeometric(1),
         latex="I",
         indexed=True,
         dlmf="10.29, 10.25",
@@ -403,8 +403,8 @@ _ROWS = (
         sp.besselj,
         lambda order, z: z.bessel_j(order),
         _anywhere,
-        domain=_of_whole_order,
-        hypergeometric=_bessel(-1),
+        domain=_domain_of_whole_order,
+        hypergeometric=_bessel_by_hypergeometric(-1),
         latex="J",
         indexed=True,
         dlmf="10.6, 10.2",
@@ -556,12 +556,12 @@ _ANY = sp.Wild("a")
 
 
 @lru_cache(maxsize=128)
-def without_squares(expr: Expr) -> Expr:
+def write_sech(expr: Expr) -> Expr:
     """Write 1 - tanh^2 as sech^2, which does not cancel."""
     return expr.replace(1 - sp.tanh(_ANY) ** 2, sp.sech(_ANY) ** 2) if expr.has(sp.tanh) else expr
 
 
-def without_overflow(expr: Expr) -> Expr:
+def write_erfcx(expr: Expr) -> Expr:
     """Write exp(x^2) erfc(x), of which one factor overflows far out, as one function."""
 
     def scaled(product: Expr) -> Expr:
@@ -580,7 +580,7 @@ def elementary(expr: Expr) -> Expr:
     return expr.replace(lambda node: isinstance(node, Removable), lambda node: node.elementary())
 
 
-def in_laws() -> dict[str, Function]:
+def functions_in_laws() -> dict[str, Function]:
     """Return the functions that a friction law may have, by every name that is read."""
     return {name: row for row in FUNCTIONS.values() if row.in_laws for name in (row.name, *row.aliases)}
 

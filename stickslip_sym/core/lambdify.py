@@ -15,7 +15,7 @@ from sympy.printing.pycode import MpmathPrinter
 from sympy.utilities.lambdify import MPMATH_TRANSLATIONS
 
 from stickslip_sym.core.aliases import Expr, Numbers
-from stickslip_sym.core.functions import FUNCTIONS, without_overflow
+from stickslip_sym.core.functions import FUNCTIONS, write_erfcx
 from stickslip_sym.core.special import Special
 
 Backend: TypeAlias = Literal["numpy", "math", "mpmath"] | mpmath.MPContext
@@ -85,7 +85,7 @@ def _compiled(arguments: tuple[Expr, ...], expr: Expr | tuple[Expr, ...], backen
     several = isinstance(expr, tuple)
     parts = [sp.sympify(part) for part in (expr if several else (expr,))]
     if backend == "numpy":
-        parts = [_in_floats(without_overflow(part)) for part in parts]
+        parts = [_replace_large_numbers(write_erfcx(part)) for part in parts]
     compiled: Callable[..., Any] = sp.lambdify(
         list(arguments), parts if several else parts[0], modules=_modules(backend), dummify=True, cse=several,
         printer=None if context_of(backend) is None else _Exact(), docstring_limit=0,
@@ -108,10 +108,13 @@ class _Exact(MpmathPrinter):  # type: ignore[misc]  # SymPy is untyped
         return self._print_int(expr.p)
 
 
-def _in_floats(expr: Expr) -> Expr:
+def _replace_large_numbers(expr: Expr) -> Expr:
     """Replace numbers that NumPy's integers do not hold, and powers that are multiplied out."""
     if isinstance(expr, sp.Piecewise):  # SymPy would compare all places again
-        return sp.Piecewise(*((_in_floats(part), _in_floats(holds)) for part, holds in expr.args), evaluate=False)
+        return sp.Piecewise(
+            *((_replace_large_numbers(part), _replace_large_numbers(holds)) for part, holds in expr.args),
+            evaluate=False,
+        )
     long = [number for number in expr.atoms(sp.Rational) if max(abs(number.p), number.q) > _LONGEST]
     expr = expr.xreplace({number: sp.Float(number, _DIGITS) for number in long})
     power_function = sp.Function("power_of")

@@ -23,7 +23,7 @@ from mpmath.libmp import from_rational, to_rational
 from stickslip_sym.core.aliases import Expr, FloatArray, Mpf, Rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.remedies import Name
-from stickslip_sym.core.units import has_error, in_si, unknown_unit, without_unit
+from stickslip_sym.core.units import has_error, si_number, strip_unit, unknown_unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -46,8 +46,8 @@ def exact(value: Number, name: str) -> Expr:
 def fraction(value: Number, name: str) -> Fraction:
     """Return a number as the fraction it denotes: floats are binary, text is a decimal or a ratio like "1/3"."""
     if isinstance(value, str):
-        return _from_text(value, name)
-    value = without_unit(value, name)
+        return _read_fraction(value, name)
+    value = strip_unit(value, name)
     try:
         if hasattr(value, "_mpf_") and mpmath.isfinite(mpmath.make_mpf(value._mpf_)):  # of any context, or SymPy's
             return Fraction(*map(int, to_rational(value._mpf_)))
@@ -73,8 +73,8 @@ _ROTATION = (
 )
 
 
-def _from_text(text: str, name: str) -> Fraction:
-    text = in_si(text, name)
+def _read_fraction(text: str, name: str) -> Fraction:
+    text = si_number(text, name)
     parts = text.strip().split("/")
     if len(text) <= _LONGEST and len(parts) <= 2 and all(map(_DECIMAL.fullmatch, parts)):
         with suppress(ZeroDivisionError):
@@ -99,7 +99,7 @@ def _refuse_error(text: str, name: str) -> None:
 
 def real(name: str, value: Number) -> float:
     """Return a number as a float, or refuse what is none and what is not finite."""
-    bare = fraction(value, name) if isinstance(value, str) else without_unit(value, name)
+    bare = fraction(value, name) if isinstance(value, str) else strip_unit(value, name)
     try:
         number = float(bare)
     except (TypeError, ValueError, OverflowError):
@@ -123,11 +123,11 @@ def read_array(name: str, value: "ArrayLike", *, finite: bool = True) -> FloatAr
     """
     if isinstance(value, str):
         return np.asarray(real(name, value))
-    value = without_unit(value, name)
+    value = strip_unit(value, name)
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         raise InputError(Name(name), " holds masked values; leave them out first")
     if isinstance(value, list | tuple) and any(hasattr(item, "unit") or hasattr(item, "units") for item in value):
-        value = [without_unit(item, name) for item in value]
+        value = [strip_unit(item, name) for item in value]
     try:
         array = np.asarray(value)
         if array.dtype.kind in "mM" or (array.dtype.kind == "O" and any(item is None for item in array.flat)):
@@ -163,7 +163,7 @@ def bits(rational: Expr) -> int:
     return max(int(rational.p).bit_length(), int(rational.q).bit_length())
 
 
-def within(constant: Expr, limit: int) -> bool:
+def is_within(constant: Expr, limit: int) -> bool:
     """Return whether a constant expression is real and at most `limit` in size."""
     value = constant.evalf(5)
     return bool(value.is_Number and abs(value) <= limit)

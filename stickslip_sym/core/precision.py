@@ -75,16 +75,16 @@ def rounded(value: Mpf, digits: int) -> Mpf:
     return mpmath.make_mpf(mpf_pos(value._mpf_, dps_to_prec(digits), round_nearest))
 
 
-def in_mpmath(value: arb | acb) -> Mpf:
+def middle_in_mpmath(value: arb | acb) -> Mpf:
     """Return the middle of a ball as a number of `mp`, exactly."""
     if isinstance(value, acb):
-        real, imaginary = in_mpmath(value.real), in_mpmath(value.imag)
+        real, imaginary = middle_in_mpmath(value.real), middle_in_mpmath(value.imag)
         return mp.make_mpc((real._mpf_, imaginary._mpf_)) if imaginary else real
     mantissa, exponent = value.mid().man_exp()
     return mp.ldexp(int(mantissa), int(exponent))
 
 
-def from_mpmath(value: Mpf, error: Mpf = 0) -> acb:
+def ball_of_mpmath(value: Mpf, error: Mpf = 0) -> acb:
     """Return a ball around a number of mpmath, real or complex."""
 
     def exactly(part: Mpf) -> arb:

@@ -71,7 +71,7 @@ class Call(Remedy):
     command: str
 
 
-def in_python(remedy: Remedy) -> str:
+def python_wording(remedy: Remedy) -> str:
     """Return a remedy as a user of Python writes it."""
     match remedy:
         case Argument(name, Mapping() as entries):
@@ -98,7 +98,7 @@ def in_python(remedy: Remedy) -> str:
     raise TypeError(f"{remedy!r} is worded nowhere")
 
 
-_wording: Callable[[Remedy], str] = in_python
+_wording: Callable[[Remedy], str] = python_wording
 
 
 @contextmanager

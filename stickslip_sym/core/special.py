@@ -14,7 +14,7 @@ from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.printer import Printer
 
 from stickslip_sym.core.aliases import Expr, FloatArray, Mpf
-from stickslip_sym.core.precision import from_mpmath, in_mpmath, mp, refined, working_precision
+from stickslip_sym.core.precision import ball_of_mpmath, middle_in_mpmath, mp, refined, working_precision
 
 _MOST = 20_000  # bits of working precision for a value in mpmath
 _EIN_TERMS = 21  # of a series at arguments up to 1, the next term of which is below the rounding of a double
@@ -31,8 +31,8 @@ class Special(sp.Function):  # type: ignore[misc]  # SymPy is untyped
     @classmethod
     def mpf(cls, context: Any, *arguments: Mpf) -> Mpf:
         """Return the value in the working precision of a context of mpmath."""
-        balls = [from_mpmath(argument) for argument in arguments]
-        value = in_mpmath(refined(lambda: cls.ball(*balls).real, context.prec, _MOST))
+        balls = [ball_of_mpmath(argument) for argument in arguments]
+        value = middle_in_mpmath(refined(lambda: cls.ball(*balls).real, context.prec, _MOST))
         return +context.make_mpf(value._mpf_)
 
     def _eval_evalf(self, prec: int) -> Expr:

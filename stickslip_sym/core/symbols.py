@@ -47,7 +47,7 @@ u: Expr = sp.Dummy("u", nonnegative=True)
 s, theta, a, b = (sp.Dummy(name, real=True) for name in ("s", "theta", "a", "b"))
 
 
-def in_words(values: Mapping[str, object], defaults: Container[str] = ()) -> str:
+def quantities_text(values: Mapping[str, object], defaults: Container[str] = ()) -> str:
     """Return quantities as text, e.g. ``V = 0.5 m/s (default), N = 9.81 N``."""
     texts = {name: f"{value:g}" if isinstance(value, float) else str(value) for name, value in values.items()}
     return ", ".join(

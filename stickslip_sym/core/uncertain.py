@@ -14,7 +14,7 @@ from uncertainties import correlation_matrix, ufloat, ufloat_fromstr
 from uncertainties.core import NegativeStdDev
 
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.units import in_si
+from stickslip_sym.core.units import si_number
 
 _WITH_ERROR = re.compile(r"\+/?-|±|\(")
 _CORRELATION_DIGITS = 9  # of correlations that count as equal: files keep them to rounding
@@ -27,11 +27,11 @@ def split(value: Any, name: str) -> tuple[Any, UFloat | None]:
     Text with "+/-", "+-", "±" or brackets is read; its number is the decimal that it says. `name` is for messages.
     """
     number: Any
-    value = in_si(value, name)
+    value = si_number(value, name)
     if isinstance(value, UFloat):
         read, number = value, value.nominal_value
     elif isinstance(value, str) and _WITH_ERROR.search(value):
-        read = _from_text(value, name)
+        read = _read_uncertain(value, name)
         number = repr(read.nominal_value)
     else:
         return value, None
@@ -40,7 +40,7 @@ def split(value: Any, name: str) -> tuple[Any, UFloat | None]:
     return number, read if read.std_dev > 0 else None
 
 
-def _from_text(text: str, name: str) -> UFloat:
+def _read_uncertain(text: str, name: str) -> UFloat:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # of a standard error that is 0, which is none here
@@ -67,14 +67,14 @@ def spread(values: Mapping[str, UFloat]) -> tuple[object, ...]:
     return tuple(names), tuple(values[name].std_dev for name in names), tuple(correlations.ravel().tolist())
 
 
-def with_error(value: float, error: float) -> str:
+def text_with_error(value: float, error: float) -> str:
     """Return a number with its standard error as text, to two digits of that."""
     if not error > 0 or not math.isfinite(error):
         return f"{value:.10g} +/- {error:g}"
     return f"{ufloat(value, error):.2u}".replace("+/-", " +/- ")
 
 
-def interval(low: float, high: float) -> str:
+def interval_text(low: float, high: float) -> str:
     """Return an interval as text, with so many digits that its ends differ by two."""
     if not (math.isfinite(low) and math.isfinite(high) and low < high):
         return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"

@@ -70,7 +70,7 @@ def dimensions(text: str) -> tuple[Fraction, tuple[int, ...]] | None:
     return size, powers
 
 
-def in_si(value: Any, name: str, unit: str | None = None) -> Any:
+def si_number(value: Any, name: str, unit: str | None = None) -> Any:
     """Return text with a unit as a number in SI units, still text and exact, and quantities of other libraries.
 
     What has no unit is returned as it is.
@@ -78,7 +78,7 @@ def in_si(value: Any, name: str, unit: str | None = None) -> Any:
     - `unit`: the one that is expected, empty if any; by default that of the quantity of this name.
     """
     if not isinstance(value, str):
-        return without_unit(value, name, unit)
+        return strip_unit(value, name, unit)
     match = _WITH_UNIT.fullmatch(value.translate(_SUPERSCRIPTS))
     expected = _expected(name, unit)
     if match is None or expected is None:
@@ -126,9 +126,9 @@ def _converted(number: re.Match[str], size: Fraction) -> str:
     else:
         value = _quotient(number["value"])
         if number["error"] is None:
-            return _text(value * size)
+            return _number_text(value * size)
         error = _quotient(number["error"])
-    return f"{_text(value * size, decimal=True)}+/-{_text(error * size, decimal=True)}"
+    return f"{_number_text(value * size, decimal=True)}+/-{_number_text(error * size, decimal=True)}"
 
 
 def last_digits(number: str, digits: str) -> Decimal:
@@ -141,13 +141,13 @@ def _quotient(text: str) -> Fraction:
     return Fraction(above) / Fraction(below or 1)
 
 
-def without_unit(value: Any, name: str, unit: str | None = None) -> Any:
+def strip_unit(value: Any, name: str, unit: str | None = None) -> Any:
     """Return a quantity of pint or astropy, or an array of them, as numbers in SI units; anything else as it is.
 
     The library that made the quantity converts it. A unit that does not fit, or for which none is known here,
     is refused: to drop it would change the number.
 
-    - `unit`: the one that is expected, as of `in_si`.
+    - `unit`: the one that is expected, as of `si_number`.
     """
     its_unit = getattr(value, "units", None) or getattr(value, "unit", None)
     if its_unit is None or isinstance(its_unit, str):
@@ -174,13 +174,13 @@ def _expected(name: str, unit: str | None) -> str | None:
     return QUANTITIES[name].unit if name in QUANTITIES else _ARGUMENTS.get(name)
 
 
-def with_unit_of(last: str, first: str) -> str:
+def share_unit(last: str, first: str) -> str:
     """Return the first end of a range with the unit of the last where it has none, as in "10:400 mm/s"."""
     its, own = (_WITH_UNIT.fullmatch(text.translate(_SUPERSCRIPTS)) for text in (last, first))
     return first if its is None or own is not None else f"{first} {its['unit']}"
 
 
-def _text(number: Fraction, *, decimal: bool = False) -> str:
+def _number_text(number: Fraction, *, decimal: bool = False) -> str:
     """Return a number as the decimal that it is, or a quotient, or else a decimal of many digits."""
     quotient = Context(prec=_DIGITS).divide(Decimal(number.numerator), Decimal(number.denominator))
     return str(quotient) if decimal or Fraction(quotient) == number else f"{number.numerator}/{number.denominator}"

@@ -73,7 +73,7 @@ class DecayInLogarithm:
         return (top - step).exp().mid()
 
 
-def _in_logarithm(node: Expr, point: Mapping[Expr, Expr | acb]) -> DecayInLogarithm | None:
+def _decay_in_logarithm(node: Expr, point: Mapping[Expr, Expr | acb]) -> DecayInLogarithm | None:
     """Return an exponential of a polynomial in log(v) that falls without bound at rest; None for another."""
     if not node.exp.has(sp.log):
         return None
@@ -92,7 +92,7 @@ def _in_logarithm(node: Expr, point: Mapping[Expr, Expr | acb]) -> DecayInLogari
 def start_of(mu: Expr, point: Mapping[Expr, Expr | acb], reach: arb, bits: int) -> arb | None:
     """Return a speed below which what vanishes faster than any power counts for nothing; None without such."""
     decay = decay_at_rest(mu, point)
-    logarithmic = [_in_logarithm(node, point) for node in mu.atoms(sp.exp)]
+    logarithmic = [_decay_in_logarithm(node, point) for node in mu.atoms(sp.exp)]
     starts = [one.below(reach, bits) for one in logarithmic if one is not None]
     starts += [] if decay is None else [decay.below(reach, bits)]
     return min(starts, key=float, default=None)
@@ -100,19 +100,19 @@ def start_of(mu: Expr, point: Mapping[Expr, Expr | acb], reach: arb, bits: int) 
 
 def decay_at_rest(mu: Expr, point: Mapping[Expr, Expr | acb]) -> Decay | None:
     """Return the slowest exponential by which a smooth coefficient, or a term of it, vanishes at rest."""
-    decays = [decay for node in mu.atoms(sp.exp) if (decay := _leading(node, point)) is not None]
+    decays = [decay for node in mu.atoms(sp.exp) if (decay := _leading_decay(node, point)) is not None]
     return min(decays, key=lambda decay: (decay.order, decay.rate), default=None)
 
 
-def _leading(node: Expr, point: Mapping[Expr, Expr | acb]) -> Decay | None:
-    terms = _powers(node, point)
+def _leading_decay(node: Expr, point: Mapping[Expr, Expr | acb]) -> Decay | None:
+    terms = _exponent_powers(node, point)
     if not terms:
         return None
     power, rate = min(terms)
     return Decay(-rate, -power) if power < 0 and rate < 0 else None
 
 
-def _powers(node: Expr, point: Mapping[Expr, Expr | acb]) -> list[tuple[Expr, Expr]]:
+def _exponent_powers(node: Expr, point: Mapping[Expr, Expr | acb]) -> list[tuple[Expr, Expr]]:
     """Return exponents and coefficients of an exponential's argument; nothing if it is no sum of powers of v."""
     values = {symbol: value for symbol, value in point.items() if not isinstance(value, acb)}
     powers: dict[Expr, Expr] = {}
@@ -130,7 +130,7 @@ def vanishing(mu: Expr, point: Mapping[Expr, Expr | acb]) -> tuple[Expr, Expr]:
     regular, vanished = list[Expr](), list[Expr]()
     for term in sp.Add.make_args(sp.expand_mul(mu)):
         exponentials = [factor for factor in sp.Mul.make_args(term) if isinstance(factor, sp.exp)]
-        decays = any(_leading(node, point) or _in_logarithm(node, point) for node in exponentials)
+        decays = any(_leading_decay(node, point) or _decay_in_logarithm(node, point) for node in exponentials)
         (vanished if decays else regular).append(term)
     return sp.Add(*regular), sp.Add(*vanished)
 
@@ -144,17 +144,21 @@ def bound_below(vanished: Expr, point: Mapping[Expr, Expr | acb], end: arb) -> a
         logarithmic = None
         for factor in sp.Mul.make_args(term):
             base, p = factor.as_base_exp()
-            decay = _leading(factor, point) if isinstance(factor, sp.exp) else None
+            decay = _leading_decay(factor, point) if isinstance(factor, sp.exp) else None
             if decay is not None and exponent == 0:
                 leading, order = decay.exponent(end), ball(decay.order).real
-                others = [abs(ball(c).real) * end ** ball(e).real for e, c in _powers(factor, point)
+                others = [abs(ball(c).real) * end ** ball(e).real for e, c in _exponent_powers(factor, point)
                           if e != -decay.order]  # fmt: skip
                 beside = sum(others, arb(0))
                 if not beside <= leading / 2:  # then it is less, the lower the speed
                     return arb.nan()
                 exponent = leading - beside
-            elif logarithmic is None and isinstance(factor, sp.exp) and _in_logarithm(factor, point) is not None:
-                logarithmic = _in_logarithm(factor, point)
+            elif (
+                logarithmic is None
+                and isinstance(factor, sp.exp)
+                and _decay_in_logarithm(factor, point) is not None
+            ):
+                logarithmic = _decay_in_logarithm(factor, point)
             elif base == symbols.v and not p.has(symbols.v):
                 power += p
             else:

@@ -274,13 +274,13 @@ def average_enclosure(
             near = [kink for kink in near if kink == exact]
         sides = smooth_pieces(mu, point, [sp.Integer(0), *kinks, *ends_of_pieces[-1:]])
         sides = [side for kink in near for side in sides[kinks.index(kink) : kinks.index(kink) + 2]]
-        slopes = [_real(ball_value(sp.diff(side, symbols.v), there)).real for side in sides or pieces[-1:]]
-        if not all(_real(ball_value(side, there)).is_finite() for side in sides or pieces[-1:]):
+        slopes = [_real_ball(ball_value(sp.diff(side, symbols.v), there)).real for side in sides or pieces[-1:]]
+        if not all(_real_ball(ball_value(side, there)).is_finite() for side in sides or pieces[-1:]):
             return arb.nan()
         return -reduce(add, slopes) / len(slopes) if exact is not None else -reduce(arb.union, slopes)
     first, vanished = vanishing(pieces[0], point)
     parts = [balls_from_rest(first, point), *(ball_function(piece, symbols.v, point) for piece in pieces[1:])]
-    if not _real(parts[0](acb(0), False)).is_finite():
+    if not _real_ball(parts[0](acb(0), False)).is_finite():
         return arb.nan()  # no panel that begins at v = 0 has a bound, however often it is halved
     V, places = acb(speed), [ball(place).real for place in inside]
     if criterion.is_polynomial:
@@ -300,7 +300,7 @@ def average_enclosure(
             return on_axis(phi, mu(2 * V * square, analytic)) * (1 - 2 * square)
 
         def on_axis(z: acb, value: acb) -> acb:
-            return _real(value) if z.imag == 0 else value
+            return _real_ball(value) if z.imag == 0 else value
 
         return over_speed if criterion.is_polynomial else over_angle
 
@@ -313,7 +313,7 @@ def average_enclosure(
         # The variable tells the start from its end, where it is 1 + s and the start is far lower.
         with working_precision(ctx.prec + max(0, math.ceil(float((reach / start).log()) / math.log(2)))):
             share = start / speed if criterion.is_polynomial else (start / reach).sqrt().asin()
-            most = abs(scale.real) * bound_below(vanished, point, start) * share * _largest(criterion)
+            most = abs(scale.real) * bound_below(vanished, point, start) * share * _kernel_bound(criterion)
             part = ball_function(vanished, symbols.v, point)
             # The absolute tolerance is that of values that may be as small as here at the end.
             size = abs(part(acb(places[0] if places else reach), False)) * arb(2) ** -bits
@@ -328,7 +328,7 @@ def average_enclosure(
     return (total / V).real
 
 
-def _largest(criterion: Criterion) -> arb:
+def _kernel_bound(criterion: Criterion) -> arb:
     """Return a bound on what mu is multiplied by under the integral."""
     if not criterion.is_polynomial:
         return arb(1)
@@ -336,7 +336,7 @@ def _largest(criterion: Criterion) -> arb:
     return ball(sum(map(abs, slope.all_coeffs()), sp.S.Zero)).real
 
 
-def _real(value: acb) -> acb:
+def _real_ball(value: acb) -> acb:
     """Return a ball that may hold a real number; what cannot is no coefficient, and no ball."""
     return value if value.imag.contains(0) else acb(arb.nan())
 

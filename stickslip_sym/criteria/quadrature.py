@@ -101,7 +101,7 @@ def damping(
         bound = law.kinetic
         mu, quick = bound.function(mp.context), _quick(bound)
         if bound.near_rest is not None:
-            mu = _with_the_digits_lost(mu, _order_of_cancellation(bound), own_mpf(speed))
+            mu = _recover_lost_digits(mu, _order_of_cancellation(bound), own_mpf(speed))
         result = own_mpf(force) * average(mu, bound.exact_kinks, criterion, speed, digits + 2, rule, quick)
     return rounded(result, digits)
 
@@ -112,7 +112,7 @@ def _order_of_cancellation(law: BoundLaw) -> int:
     return 1 + math.ceil(-float(sum(powers)))
 
 
-def _with_the_digits_lost(mu: Function, order: int, speed: Mpf) -> Function:
+def _recover_lost_digits(mu: Function, order: int, speed: Mpf) -> Function:
     """Return a coefficient whose terms cancel at rest, computed with as many more digits as they lose there.
 
     At rest itself it is that beside it, where it is the same to all digits.
@@ -149,7 +149,7 @@ def average(
 
     - `quick`: slip speeds at which panels end as well.
     """
-    mu = _real(coefficient)
+    mu = _require_real(coefficient)
     if criterion.weight is None:
         return _confirmed_slope(mu, speed, digits, (-1, 1) if speed in kinks else (0,))
     singular = False
@@ -159,7 +159,7 @@ def average(
         singular = True
         _require_integrable(mu, criterion, speed)
     return _following_cancellation(
-        lambda tolerance: _integral(mu, [*kinks, *quick], criterion, speed, tolerance, singular, rule),
+        lambda tolerance: _integral_by_parts(mu, [*kinks, *quick], criterion, speed, tolerance, singular, rule),
         digits,
         _MOST_LOST,
     )
@@ -180,7 +180,7 @@ def read_operating_point(
     return criterion, speed, force
 
 
-def _real(mu: Function) -> Function:
+def _require_real(mu: Function) -> Function:
     """Guard a coefficient: what is not a finite real number is an error, never part of a result."""
 
     def guarded(v: Mpf) -> Mpf:
@@ -232,7 +232,7 @@ def _following_cancellation(compute: Callable[[Mpf], tuple[Mpf, Mpf]], digits: i
         lost = most if drowned and lost else int(min(most, max(needed + 2, 10)))
 
 
-def _integral(
+def _integral_by_parts(
     mu: Function,
     parting: Sequence[Expr],
     criterion: Criterion,

@@ -50,7 +50,7 @@ def gauss_average(
     """
     slope = partial(law.at_speeds, derivative=True)
     if criterion.weight is None:
-        return _at_belt(slope, law.kinks, np.array(V, np.float64).ravel())
+        return _slope_at_belt_speed(slope, law.kinks, np.array(V, np.float64).ravel())
     if like is not None:
         return gauss_average_of_slope(slope, like, V, A, criterion=criterion)
     return gauss_average_of_slope(slope, table or law.table, V, A, criterion=criterion, own=True)
@@ -72,7 +72,7 @@ def gauss_average_of_slope(
     """
     V, A = (np.array(column, np.float64).ravel() for column in np.broadcast_arrays(V, A))
     if criterion.weight is None:
-        return _at_belt(slope, table.kinks, V)
+        return _slope_at_belt_speed(slope, table.kinks, V)
     parting = np.unique([*table.narrow.ravel(), *table.kinks])
     inside = (parting > (V * (1 - A))[:, None]) & (parting < (V * (1 + A))[:, None])
     parted = inside.any(axis=1)
@@ -81,11 +81,11 @@ def gauss_average_of_slope(
         if rows.size:
             ends = tuple((parting[inside[rows[0]]] / V[rows[0]] - 1 + A[rows[0]]) / (2 * A[rows[0]]))
             points = slope, V[rows, None], A[rows, None], criterion, table, own, ends
-            average[rows], error[rows], size[rows] = _settled(*points)
+            average[rows], error[rows], size[rows] = _settled_average(*points)
     return average, error, size
 
 
-def _at_belt(slope: Slope, kinks: Iterable[float], V: FloatArray) -> _Three:
+def _slope_at_belt_speed(slope: Slope, kinks: Iterable[float], V: FloatArray) -> _Three:
     """Return -mu'(V); at a kink the mean of the slopes on both sides, by which small motions decay."""
     value = slope(V)
     for kink in kinks:
@@ -94,23 +94,23 @@ def _at_belt(slope: Slope, kinks: Iterable[float], V: FloatArray) -> _Three:
     return -value, _ROUNDING * np.abs(value), np.abs(value)
 
 
-def _settled(slope: Slope, V: FloatArray, A: FloatArray, *others: *_Others) -> _Three:
+def _settled_average(slope: Slope, V: FloatArray, A: FloatArray, *others: *_Others) -> _Three:
     """Return what is asked for once polynomials follow it, or panels of half the width say the same.
 
-    Arguments are as for `_summed`.
+    Arguments are as for `_sum_over_panels`.
     """
-    average, size, off, error = _summed(slope, V, A, *others, 1)
+    average, size, off, error = _sum_over_panels(slope, V, A, *others, 1)
     again, parts = np.flatnonzero(~(error <= SAME * np.abs(average))), 1
     while again.size and parts < _MOST_PARTS:
         parts *= 2
-        finer, size[again], off[again], _ = _summed(slope, V[again], A[again], *others, parts)
+        finer, size[again], off[again], _ = _sum_over_panels(slope, V[again], A[again], *others, parts)
         error[again] = np.abs(finer - average[again])
         average[again] = finer
         again = again[~(error[again] <= SAME * np.abs(finer))]
     return average, error + off + _ROUNDING * size, size
 
 
-def _summed(
+def _sum_over_panels(
     slope: Slope, V: FloatArray, A: FloatArray, criterion: Criterion, table: FrictionTable, own: bool,
     parting: tuple[float, ...], parts: int,
 ) -> _Four:  # fmt: skip
@@ -183,11 +183,11 @@ def _graded(criterion: Criterion, parts: int, parting: tuple[float, ...]) -> _Pa
 
 def _weight(criterion: Criterion, theta: FloatArray) -> FloatArray:
     """Return the weight of a criterion at phases."""
-    values: FloatArray = _function(criterion)(2 * np.sin(theta / 2) ** 2, 2 * np.cos(theta / 2) ** 2)
+    values: FloatArray = _kernel_from_ends(criterion)(2 * np.sin(theta / 2) ** 2, 2 * np.cos(theta / 2) ** 2)
     return values + 0.0 * theta  # of a constant weight
 
 
 @lru_cache(maxsize=32)
-def _function(criterion: Criterion) -> Callable[[FloatArray, FloatArray], Any]:
+def _kernel_from_ends(criterion: Criterion) -> Callable[[FloatArray, FloatArray], Any]:
     p, q = sp.symbols("p q", positive=True)
     return function_of([p, q], criterion.from_ends(p, q), "numpy")

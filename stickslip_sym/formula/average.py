@@ -27,7 +27,7 @@ from stickslip_sym.formula.proof.proving import Verdict, prove_equal
 from stickslip_sym.formula.proof.recurrence import AVERAGES_AGREE, AverageSeries, definition
 from stickslip_sym.formula.proof.theorems import PieceByPiece, is_smooth
 from stickslip_sym.formula.tidy import factored
-from stickslip_sym.model.expression.pieces import with_means
+from stickslip_sym.model.expression.pieces import mean_slope_at_kinks
 from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
 from stickslip_sym.model.terms import Term, shapes_of
 from stickslip_sym.output import printing
@@ -83,7 +83,7 @@ class Average:
             slope = elementary(self.slope)
             if not slope.has(sp.Function):  # (1 + v^2)^(-3/2), where a difference of two terms cancels
                 slope = min(slope, factored(slope), key=sp.count_ops)
-            return -with_means(slope).xreplace({symbols.v: symbols.V})
+            return -mean_slope_at_kinks(slope).xreplace({symbols.v: symbols.V})
         return self._in_shapes(sp.Add(*[part.value for part in parts]))
 
     @cached_property

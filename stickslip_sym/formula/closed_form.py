@@ -32,7 +32,7 @@ from stickslip_sym.formula.slope_average import SlopeAverage
 from stickslip_sym.formula.tidy import tidy
 from stickslip_sym.model.expression.letters import name_constants, substitute_numbers
 from stickslip_sym.model.expression.parameters import Parameter
-from stickslip_sym.model.expression.pieces import with_means
+from stickslip_sym.model.expression.pieces import mean_slope_at_kinks
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law, laws
 from stickslip_sym.model.same_shape import law_of_same_shape
@@ -337,7 +337,7 @@ class ClosedForm(Shown, SlopeAverage):
     def _formula(self) -> tuple[Expr, Expr]:
         """The formula, or the slope itself where it is the criterion: there 1 - tanh^2 is seen; and the slope."""
         slope = sp.Add(*[sp.diff(term.expr, v) for term in self.terms])
-        return -N * with_means(slope).subs(v, V) if self.criterion.weight is None else self.expr, slope
+        return -N * mean_slope_at_kinks(slope).subs(v, V) if self.criterion.weight is None else self.expr, slope
 
     def _exactly(self, point: Mapping[Expr, Expr], digits: int) -> Mpf:
         """Return the value at exact arguments: by the formula, and where it has none, by the definition's balls.
@@ -538,10 +538,10 @@ def _is_mixed(expr: Expr, law: Expr) -> bool:
         return True
     own = {abs(number) for number in law.atoms(sp.Rational)}
     others = {abs(number) for number in expr.atoms(sp.Rational)} - own
-    return any(_digits(number) > _MOST_DIGITS for number in others)
+    return any(_shown_digits(number) > _MOST_DIGITS for number in others)
 
 
-def _digits(number: Expr) -> int:
+def _shown_digits(number: Expr) -> int:
     """Return how many digits a reader sees of a number."""
     if is_decimal(number):
         return len(printing.text(number).replace(".", "").lstrip("0"))
@@ -575,7 +575,7 @@ def _derived(law: FrictionLaw, criterion: Criterion, search: bool) -> ClosedForm
     form = ClosedForm(law, criterion, law.terms)
     for term, average in form.averages:
         average.require_conditions(term)
-    general, meanings = _in_letters(law)
+    general, meanings = _name_long_numbers(law)
     if meanings:
         with suppress(NoClosedForm):
             of_letters = _completed(ClosedForm(general, criterion, general.terms), search=False)
@@ -583,7 +583,7 @@ def _derived(law: FrictionLaw, criterion: Criterion, search: bool) -> ClosedForm
     return _completed(form, search)
 
 
-def _in_letters(law: FrictionLaw) -> tuple[FrictionLaw, Mapping[Expr, Expr]]:
+def _name_long_numbers(law: FrictionLaw) -> tuple[FrictionLaw, Mapping[Expr, Expr]]:
     """Return a law with letters for its long numbers, and what they stand for; a curve through points as it is.
 
     The letters are those of the catalogue's law of the same shape, where there is one.
@@ -611,10 +611,10 @@ def _completed(form: ClosedForm, search: bool) -> ClosedForm:
             check_time()
             say(what, next(number), total)
 
-        return _in_stages(form, search, begin)
+        return _prove_in_stages(form, search, begin)
 
 
-def _in_stages(form: ClosedForm, search: bool, begin: Callable[[str], None]) -> ClosedForm:
+def _prove_in_stages(form: ClosedForm, search: bool, begin: Callable[[str], None]) -> ClosedForm:
     """Find, check and prove the averages of a form; each stage is said before it begins."""
     for term, average in form.averages:
         name = printing.text(term.expr)

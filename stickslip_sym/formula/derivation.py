@@ -148,10 +148,10 @@ class Derivation(Shown, DataResult):
         known = notation_of(QUANTITIES) | {"mu": r"\mu"}
         known |= {name: latex for name, latex in (names or {}).items() if name in known}
         names = self.notation(names)
-        title = _words(self.title, [step.statement for step in self.steps[:1]], known, names)
+        title = _sentence_latex(self.title, [step.statement for step in self.steps[:1]], known, names)
         parts = [f"\\paragraph{{{heading or title}.}}"]
         for step in self.steps:
-            statement, written = step.statement, _in_units(step, names)
+            statement, written = step.statement, _hat_scaled_speeds(step, names)
             shown = equation(
                 printing.latex(statement.lhs, written),
                 statement.rhs,
@@ -160,7 +160,7 @@ class Derivation(Shown, DataResult):
                 tag=step.label,
             )
             here = known | {name: latex for name, latex in written.items() if name in known}
-            said = [_words(text, step.formulas, here, written) for text in (step.operation, step.reason)]
+            said = [_sentence_latex(text, step.formulas, here, written) for text in (step.operation, step.reason)]
             words = ": ".join(said)
             units = _units(step, names, written)
             parts.append(f"{words[0].upper()}{words[1:]}{units}.\n{shown}\n% {step.verdict.status.value}")
@@ -178,7 +178,9 @@ class Derivation(Shown, DataResult):
         return f"Derivation: {self.name}, {len(self.steps)} steps, {self.status.value}"
 
 
-def _words(text: str, formulas: Sequence[Expr], known: Mapping[str, str], names: Mapping[str, str]) -> str:
+def _sentence_latex(
+    text: str, formulas: Sequence[Expr], known: Mapping[str, str], names: Mapping[str, str]
+) -> str:
     """Return a sentence as LaTeX, the formulas in it as formulas, wherever they stand there as text."""
     for formula in formulas:
         found = re.search(rf"(?<!\w){re.escape(printing.text(formula))}(?!\w)", text)
@@ -186,11 +188,15 @@ def _words(text: str, formulas: Sequence[Expr], known: Mapping[str, str], names:
             others = [other for other in formulas if other is not formula]
             before, after = text[: found.start()], text[found.end() :]
             shown = f"${printing.latex(formula, names, inline=True)}$"
-            return _words(before, others, known, names) + shown + _words(after, others, known, names)
+            return (
+                _sentence_latex(before, others, known, names)
+                + shown
+                + _sentence_latex(after, others, known, names)
+            )
     return prose(text, known)
 
 
-def _in_units(step: Step, names: Mapping[str, str]) -> dict[str, str]:
+def _hat_scaled_speeds(step: Step, names: Mapping[str, str]) -> dict[str, str]:
     """Return names with a hat on each speed that is in units of a scale, so that a letter means one thing."""
     scaled = {speed.name for meaning in step.meanings for speed in (v, V) if meaning.get(speed, speed) != speed}
     usual = notation_of(QUANTITIES) | dict(names)

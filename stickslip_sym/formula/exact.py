@@ -17,9 +17,9 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Mpf
 from stickslip_sym.core.balls import ball_value
 from stickslip_sym.core.errors import InputError, NotConverged
-from stickslip_sym.core.functions import arguments, without_squares
+from stickslip_sym.core.functions import arguments, write_sech
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.precision import from_mpmath, in_mpmath, mp, refined, rounded
+from stickslip_sym.core.precision import ball_of_mpmath, middle_in_mpmath, mp, refined, rounded
 from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
 
 _MOST_BITS = 33_000  # of working precision, some 10 000 digits, before a value counts as out of reach
@@ -31,7 +31,7 @@ _MORE = 64  # bits by which the second look of mpmath is more precise
 def to_digits(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> Mpf:
     """Evaluate an expression at exact rational values to `digits` significant digits, as `to_ball` does."""
     value, _ = to_ball(expr, point, digits)
-    return rounded(in_mpmath(value), digits)
+    return rounded(middle_in_mpmath(value), digits)
 
 
 def to_ball(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> tuple[arb, bool]:
@@ -71,20 +71,22 @@ def formula_ball(expr: Expr, point: Mapping[Expr, Expr | acb]) -> tuple[acb, boo
 
     def otherwise(node: Expr, arguments: list[acb]) -> acb:
         asked.append(node)
-        return _by_mpmath(node, arguments)
+        return _evaluate_by_mpmath(node, arguments)
 
     return ball_value(expr, point, otherwise), not asked
 
 
-def _by_mpmath(node: Expr, arguments: list[acb]) -> acb:
+def _evaluate_by_mpmath(node: Expr, arguments: list[acb]) -> acb:
     """Return a ball around a function as mpmath evaluates it, its error seen by moved arguments and by digits."""
     if not all(argument.is_finite() for argument in arguments):
         return acb("nan")
     entire = isinstance(node, sp.hyper) and len(node.ap) == len(node.bq) > 2
     if entire and arguments[-1].abs_lower() > _LONGEST_SERIES:
         raise NotConverged("a hypergeometric series of the closed form is too long")
-    function = _function(node.func, tuple(len(a) if isinstance(a, sp.Tuple) else 0 for a in node.args), mp.context)
-    places = [in_mpmath(argument) for argument in arguments]
+    function = _compile_packed(
+        node.func, tuple(len(a) if isinstance(a, sp.Tuple) else 0 for a in node.args), mp.context
+    )
+    places = [middle_in_mpmath(argument) for argument in arguments]
 
     def value(places: list[Mpf]) -> Mpf:
         return mp.mpmathify(function(*places))
@@ -94,7 +96,7 @@ def _by_mpmath(node: Expr, arguments: list[acb]) -> acb:
             rough = value(places)
             error = mp.ldexp(abs(rough), 2 - ctx.prec)
             for i, argument in enumerate(arguments):
-                if radius := in_mpmath(arb(argument.rad())):
+                if radius := middle_in_mpmath(arb(argument.rad())):
                     step = mp.mpc(radius, radius) if argument.imag != 0 else radius
                     moved = [value([*places[:i], places[i] + way * step, *places[i + 1 :]]) for way in (1, -1)]
                     error += 2 * sum(abs(value - rough) for value in moved)
@@ -103,11 +105,11 @@ def _by_mpmath(node: Expr, arguments: list[acb]) -> acb:
             error += 2 * abs(fine - rough)
     except mp.NoConvergence as failure:
         raise NotConverged(f"a special function of the closed form could not be evaluated: {failure}") from None
-    return from_mpmath(fine, error)
+    return ball_of_mpmath(fine, error)
 
 
 @lru_cache(maxsize=64)
-def _function(kind: type[Expr], lengths: tuple[int, ...], context: Any) -> Callable[..., Mpf]:
+def _compile_packed(kind: type[Expr], lengths: tuple[int, ...], context: Any) -> Callable[..., Mpf]:
     """Compile a function, of whose arguments some are tuples of so many."""
     node = kind(*(sp.Tuple(*sp.symbols(f"x:{n}", cls=sp.Dummy)) if n else sp.Dummy() for n in lengths))
     return function_of(arguments(node), node, context)
@@ -131,4 +133,4 @@ def exact_value(expr: Expr, slope: Expr, point: Mapping[Expr, Expr], digits: int
         if limit.has(sp.oo, -sp.oo, sp.zoo, sp.nan):
             raise InputError("the slope of mu is infinite at v = 0, so the criterion has no value at V = 0")
         expr = -symbols.N * limit
-    return to_digits(without_squares(expr), point, digits)
+    return to_digits(write_sech(expr), point, digits)

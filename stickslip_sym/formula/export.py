@@ -48,7 +48,7 @@ _COLUMNS = {"symbol": "l", "meaning": "p{66mm}", "unit": "l", "typical value": "
 _UNDESCRIBED = "parameters of the law"
 
 
-def _listed(items: Any, kind: Any, expected: str) -> list[Any]:
+def _as_list(items: Any, kind: Any, expected: str) -> list[Any]:
     """Return one item, or several, as a list; refuse none, and any of another kind."""
     listed = list(items) if isinstance(items, Iterable) and not isinstance(items, str) else [items]
     for item in listed:
@@ -93,7 +93,7 @@ def export_code(forms: SlopeAverage | Sequence[SlopeAverage], language: str, *, 
         return checked(damping_term_0(a), a, "11", HUGE_VAL);
     }
     """
-    listed = _listed(forms, SlopeAverage, "closed forms or slope averages: derive(law), slope_average(law)")
+    listed = _as_list(forms, SlopeAverage, "closed forms or slope averages: derive(law), slope_average(law)")
     if len(listed) == 1:
         return writer.code({code_name(name): (listed[0], listed[0].described)}, language)
     laws = list(dict.fromkeys(form.law for form in listed))
@@ -158,7 +158,7 @@ def export_latex(
     >>> text.count(r"\begin{equation}")
     2
     """
-    listed = _listed(forms, ClosedForm, "closed forms: derive(law)")
+    listed = _as_list(forms, ClosedForm, "closed forms: derive(law)")
     laws, given = dict.fromkeys(form.law for form in listed), symbols or {}
     every = ["mu", *quantities.QUANTITIES]
     check_known(given, [*every, *(name for law in laws for name in law.parameters)])
@@ -173,10 +173,10 @@ def export_latex(
         names = notation_of([*every, *law.parameters], given)
         heading = f"The law \\texttt{{{prose(law.name)}}}" if law.name else "The law"
         chapter = [] if fragment else [f"\\section{{{heading}}}"]
-        chapter += _about(law, mark, names)
+        chapter += _describe_law(law, mark, names)
         for form in listed:
             if form.law == law:
-                chapter += _criterion(form, mark, given, steps, certificate)
+                chapter += _criterion_section(form, mark, given, steps, certificate)
         chapter += [
             f"For the {prose(criterion.replace('_', '-'))} criterion no closed form was found; its value by "
             f"quadrature remains.\n% {' '.join(reason.split())}"
@@ -197,7 +197,7 @@ def _introduction(n: Mapping[str, str]) -> str:
     )
 
 
-def _about(law: FrictionLaw, mark: str, names: Mapping[str, str]) -> Iterator[str]:
+def _describe_law(law: FrictionLaw, mark: str, names: Mapping[str, str]) -> Iterator[str]:
     """Give the formula of a law, its source and validity, and a table of its symbols."""
     yield (
         f"The coefficient of friction at the slip speed ${names['v']}$ is\n% exact: mu(v) = {law.text}\n"
@@ -206,10 +206,10 @@ def _about(law: FrictionLaw, mark: str, names: Mapping[str, str]) -> Iterator[st
     texts = {"Source": law.source, "Validity": law.validity}
     if any(texts.values()):
         yield "\n".join(f"{word}: {prose(text, names)}." for word, text in texts.items() if text)
-    yield _table(law, names)
+    yield _symbol_table(law, names)
 
 
-def _table(law: FrictionLaw, names: Mapping[str, str]) -> str:
+def _symbol_table(law: FrictionLaw, names: Mapping[str, str]) -> str:
     """Return the table of symbols, without columns that would be empty; what is not described is one row."""
     known = {name: quantities.QUANTITIES[name] for name in "cNVv"}
     rows = [(f"${names[name]}$", _meaning(quantity.meaning, names), _unit(quantity.unit), "")
@@ -249,7 +249,7 @@ def criterion_latex(form: ClosedForm, label: str) -> str:
     return equation(names["c"], shown.expr, names, label=label, letters=letters)
 
 
-def _criterion(
+def _criterion_section(
     form: ClosedForm, mark: str, given: Mapping[str, str], steps: bool, certificate: str
 ) -> Iterator[str]:
     criterion, (shown, letters) = form.criterion, form.readable
@@ -262,8 +262,8 @@ def _criterion(
         equation(names["c"], shown.expr, names, label=label, letters=letters),
     ]
     lines += [f"Here {row.meaning}." for row in FUNCTIONS.values() if row.meaning and shown.expr.has(row.kind)]
-    lines += [_cases(z, names) for z in arguments_of_arctangents(shown.expr)]
-    lines += [*_ends(shown, names), _vanishing(form, names)]
+    lines += [_hypergeometric_cases(z, names) for z in arguments_of_arctangents(shown.expr)]
+    lines += [*_limit_sentences(shown, names), _vanishing(form, names)]
     kind = "Proof for Coq" if certificate.endswith(".v") else "Certificate"
     note = f"\\footnote{{{kind}: \\texttt{{{prose(certificate)}}}.}}" if certificate else ""
     lines.append(f"Verification: {form.verdict.status.value}; {prose(form.verdict.evidence)}.{note}")
@@ -272,7 +272,7 @@ def _criterion(
         yield form.derivation.latex(names, heading=f"Derivation of (\\ref{{{label}}})")
 
 
-def _cases(z: Expr, names: Mapping[str, str]) -> str:
+def _hypergeometric_cases(z: Expr, names: Mapping[str, str]) -> str:
     """Say what 2F1(1/2, 1; 3/2; z) is for either sign of z, which is that of a discriminant."""
     deciding = printing.latex(factor_of_sign(z), names, inline=True)
     positive = r"$\operatorname{artanh}(\sqrt{z})/\sqrt{z}$ for $z > 0$"
@@ -283,7 +283,7 @@ def _cases(z: Expr, names: Mapping[str, str]) -> str:
     )
 
 
-def _ends(form: ClosedForm, names: Mapping[str, str]) -> Iterator[str]:
+def _limit_sentences(form: ClosedForm, names: Mapping[str, str]) -> Iterator[str]:
     for where, value in (("0", form.limits.at_rest), ("\\infty", form.limits.far)):
         place = f"${names['V']} \\to {where}$"
         if value is None:

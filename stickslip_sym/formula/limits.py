@@ -14,7 +14,7 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.functions import row, without_squares
+from stickslip_sym.core.functions import row, write_sech
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.average import Average
 from stickslip_sym.formula.tidy import tidy
@@ -46,15 +46,15 @@ def limits_of(averages: Iterable[tuple[Term, Average]], mu: Expr) -> Limits:
     for term, average in averages:
         share = -symbols.N * term.amplitude / term.scale
         # With V for v, which is positive where the slip speed may be 0: only then SymPy knows that exp(-v) falls.
-        slope = without_squares(average.slope).xreplace({symbols.v: V})
-        for limit_at, end in ((_at_rest, ends[0]), (_far, ends[1])):
-            limit = None if limit_at is _far and average.domain else limit_at(slope, average.criterion)
+        slope = write_sech(average.slope).xreplace({symbols.v: V})
+        for limit_at, end in ((_average_limit_at_rest, ends[0]), (_limit_far_out, ends[1])):
+            limit = None if limit_at is _limit_far_out and average.domain else limit_at(slope, average.criterion)
             end.append(None if limit is None else share * term.in_parameters(limit))
-    low, high = (_leading(end, sign) for end, sign in zip(ends, (-1, 1), strict=True))
+    low, high = (_leading_limits(end, sign) for end, sign in zip(ends, (-1, 1), strict=True))
     return Limits(*(None if total is None else tidy(total, mu, V) for total in (low, high)))
 
 
-def _leading(limits: list[Expr | None], sign: int) -> Expr | None:
+def _leading_limits(limits: list[Expr | None], sign: int) -> Expr | None:
     """Return the sum of those limits of terms that grow most, as V grows or, with -1, falls; None if it is 0."""
     if None in limits:
         return None
@@ -74,7 +74,7 @@ def _leading(limits: list[Expr | None], sign: int) -> Expr | None:
 
 
 @lru_cache(maxsize=256)
-def _at_rest(slope: Expr, criterion: Criterion) -> Expr | None:
+def _average_limit_at_rest(slope: Expr, criterion: Criterion) -> Expr | None:
     """Return the limit of the average of a slope g'(V), or its leading term, as V falls to 0."""
     V = symbols.V
     if slope.has(sp.Piecewise):
@@ -104,7 +104,7 @@ def _limit_at_rest(slope: Expr, criterion: Criterion) -> Expr | None:
 
 
 @lru_cache(maxsize=256)
-def _far(slope: Expr, criterion: Criterion) -> Expr | None:
+def _limit_far_out(slope: Expr, criterion: Criterion) -> Expr | None:
     """Return the limit of the average of a slope, or its leading term, as V grows."""
     V = symbols.V
     last = slope.replace(lambda node: isinstance(node, sp.Piecewise), lambda node: node.args[-1].expr)

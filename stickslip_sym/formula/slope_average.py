@@ -27,7 +27,7 @@ from stickslip_sym.formula.evaluation.reference_average import MeanSlope
 from stickslip_sym.formula.evaluation.term_function import CANCELLED, TermFunction, count_of
 from stickslip_sym.formula.evaluation.term_sum import TermSum
 from stickslip_sym.formula.exact import exact_value
-from stickslip_sym.model.expression.pieces import with_means
+from stickslip_sym.model.expression.pieces import mean_slope_at_kinks
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.output import printing
@@ -64,7 +64,7 @@ class SlopeAverage(TermSum, DataResult, by_identity=True):
         """Return the value at exact arguments, by an enclosure of the definition."""
         if point[symbols.V] == 0 or self.criterion.weight is None:
             slope = self.law.slope_expr
-            at_belt = with_means(slope).subs(symbols.v, symbols.V)
+            at_belt = mean_slope_at_kinks(slope).subs(symbols.v, symbols.V)
             return exact_value(-symbols.N * at_belt, slope, point, digits)
         law = self.law.bind(**{name: point[s] for name, s in self.arguments.items() if name not in ("V", "N")})
         if law.slope_expr.xreplace(law.bound.point) == 0:  # at these values mu is constant

@@ -35,14 +35,14 @@ def tidy(expr: Expr, model: Expr, small: Expr) -> Expr:
         return expr
     order = [functions[node] for node in sorted(functions, key=sp.default_sort_key)]
     shapes = (
-        _factored(opaque, order, model, small),
-        sp.Add(*[_factored(term, order, model, small) for term in sp.Add.make_args(opaque)]),
+        _tidy_factors(opaque, order, model, small),
+        sp.Add(*[_tidy_factors(term, order, model, small) for term in sp.Add.make_args(opaque)]),
     )
     chosen = min(shapes, key=lambda shape: int(shape.count_ops()))
     return chosen.xreplace({symbol: node for node, symbol in functions.items()})
 
 
-def _factored(expr: Expr, functions: list[Expr], model: Expr, small: Expr) -> Expr:
+def _tidy_factors(expr: Expr, functions: list[Expr], model: Expr, small: Expr) -> Expr:
     factors = []
     for factor in sp.Mul.make_args(sp.Mul(*map(_rooted, sp.Mul.make_args(factored(expr))))):
         sign = -1 if factor.is_Add and _should_flip(factor, model, small) else 1

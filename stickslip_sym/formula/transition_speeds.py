@@ -12,7 +12,7 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.functions import without_squares
+from stickslip_sym.core.functions import write_sech
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.model.expression.letters import substitute_numbers
@@ -47,7 +47,7 @@ def transition_speeds(form: ClosedForm) -> TransitionSpeeds:
     """Return the belt speeds at which a criterion vanishes, by formula or for the typical parameters."""
     if form.expr == 0:
         return TransitionSpeeds(everywhere=True)
-    if (sign := _sign(form, {})) is not None:
+    if (sign := _sign_of_average(form, {})) is not None:
         return TransitionSpeeds(values=(), sign=sign)
     if form.general is not None:
         vanishing = transition_speeds(form.general)
@@ -55,7 +55,7 @@ def transition_speeds(form: ClosedForm) -> TransitionSpeeds:
             return replace(vanishing, formula=substitute_numbers(vanishing.formula, form.meanings))
         if vanishing.everywhere:
             return vanishing
-        return _at_typical_values(form)
+        return _speeds_at_typical_values(form)
     numerator = sp.numer(sp.together(form.expr))
     if numerator.is_polynomial(symbols.V):
         match sp.Poly(sp.expand(numerator), symbols.V).terms():
@@ -65,27 +65,27 @@ def transition_speeds(form: ClosedForm) -> TransitionSpeeds:
                 speed = sp.factor(-constant / highest) ** sp.Rational(1, power)
                 if speed.is_positive:
                     return TransitionSpeeds(speed)
-    return _at_typical_values(form)
+    return _speeds_at_typical_values(form)
 
 
-def _at_typical_values(form: ClosedForm) -> TransitionSpeeds:
+def _speeds_at_typical_values(form: ClosedForm) -> TransitionSpeeds:
     law = form.law.typical()
     if law.missing:
         return TransitionSpeeds()
     point = law.point
-    sign, values = _sign(form, point), _of_rational_function(form.expr, point)
+    sign, values = _sign_of_average(form, point), _zeros_of_rational_function(form.expr, point)
     if sign is not None:
         values = ()
     return TransitionSpeeds(values=values, sign=sign, at_typical_values=bool(point))
 
 
-def _sign(form: ClosedForm, point: Mapping[Expr, Expr]) -> Sign | None:
+def _sign_of_average(form: ClosedForm, point: Mapping[Expr, Expr]) -> Sign | None:
     """Return the sign of an average of a slope of one sign at all slip speeds; None where that is not known."""
     mu = sp.Add(*(term.expr for term in form.terms))
     if mu.has(sp.Piecewise) or not _is_average(form.criterion):
         return None
     # With V for v, which is positive where a slip speed may be 0.
-    slope = without_squares(sp.diff(mu, symbols.v)).xreplace({**point, symbols.v: symbols.V})
+    slope = write_sech(sp.diff(mu, symbols.v)).xreplace({**point, symbols.v: symbols.V})
     if slope.is_positive:
         return Sign.NEGATIVE
     return Sign.POSITIVE if slope.is_negative else None
@@ -99,7 +99,7 @@ def _is_average(criterion: Criterion) -> bool:
     return all(inside.count(root) % 2 == 0 for root in inside)
 
 
-def _of_rational_function(expr: Expr, point: Mapping[Expr, Expr]) -> tuple[float, ...] | None:
+def _zeros_of_rational_function(expr: Expr, point: Mapping[Expr, Expr]) -> tuple[float, ...] | None:
     """Return all zeros of a rational function of V at rational values of its parameters; None for another one."""
     per_force = expr.xreplace({symbols.N: sp.S.One, **point})
     if not per_force.is_rational_function(symbols.V):

@@ -22,7 +22,7 @@ from stickslip_sym.core.lambdify import Backend, context_of, function_of
 from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.model.expression.pieces import branch_from, drop_unreachable_kinks
 from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
-from stickslip_sym.model.taylor_model import in_floats
+from stickslip_sym.model.taylor_model import coefficient_near_rest
 
 Rising = Callable[[FloatArray], FloatArray]
 """mu(v) - mu(0+) of an array of slip speeds in m/s, NaN where mu has no value."""
@@ -60,7 +60,7 @@ def limit_at_rest(expr: Expr, values: Mapping[Expr, Expr]) -> float:
     lowest = branch_from(expr, values, sp.Integer(0))
     value = number_at(lowest, {**values, symbols.v: sp.Integer(0)})
     if value is sp.nan:
-        if (series := in_floats(lowest, values)) is not None:
+        if (series := coefficient_near_rest(lowest, values)) is not None:
             return series[1].onset
         # Values of exponents decide the limit of v^p/v; those of other parameters stay out of the algebra.
         bound = lowest.replace(sp.Pow, lambda b, p: b ** (p if p.has(symbols.v) else number_at(p, values)))
@@ -84,10 +84,10 @@ def rises_of(segments: Sequence[tuple[Expr, Expr]], values: Mapping[Expr, Expr])
     - `segments`: where each begins, exact and ascending from 0, and its formula.
     """
     lowest = segments[0][1]
-    return [(float(start), _rise(values, lowest, formula, start)) for start, formula in segments]
+    return [(float(start), _rise_of_piece(values, lowest, formula, start)) for start, formula in segments]
 
 
-def _rise(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -> Rising:
+def _rise_of_piece(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -> Rising:
     plain, onset = function_at(piece, values, "numpy"), limit_at_rest(lowest, values)
     # A piece that begins at 0 has the 0 itself in its formula, so that what is 0 there is left out.
     gained = stable_difference(piece, symbols.v, _START if start else start)
@@ -95,9 +95,9 @@ def _rise(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -
     if start:  # computed by balls: the two may be close
         ends = number_at(piece, {**values, symbols.v: start}), number_at(lowest, {**values, symbols.v: sp.S.Zero})
         before = float(ends[0] - ends[1]) if all(end.is_finite for end in ends) else math.nan
-    if gained is None and start == 0 and (series := in_floats(piece, values)) is not None:
+    if gained is None and start == 0 and (series := coefficient_near_rest(piece, values)) is not None:
         reach, polynomial = series
-        return lambda v: np.where(v <= reach, polynomial.rise(v), _difference(plain, onset, v))
+        return lambda v: np.where(v <= reach, polynomial.rise(v), _plain_difference(plain, onset, v))
     risen = None if gained is None else function_at(gained, {**values, _START: start}, "numpy")
     with np.errstate(all="ignore"):
         large = (np.abs(reals(plain(_SPEEDS)) - onset) > _LARGE) & (float(start) <= _SPEEDS)
@@ -106,7 +106,7 @@ def _rise(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -
 
     def rising(v: FloatArray) -> FloatArray:
         with np.errstate(all="ignore"):  # what is lost at extreme values is taken from the other
-            difference = _difference(plain, onset, v)
+            difference = _plain_difference(plain, onset, v)
             if risen is None:
                 return difference
             value = reals(risen(v)) + before
@@ -118,7 +118,7 @@ def _rise(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -
     return rising
 
 
-def _difference(plain: Callable[[FloatArray], Any], onset: float, v: FloatArray) -> FloatArray:
+def _plain_difference(plain: Callable[[FloatArray], Any], onset: float, v: FloatArray) -> FloatArray:
     with np.errstate(all="ignore"):
         return reals(plain(v)) - onset + np.zeros_like(v)
 

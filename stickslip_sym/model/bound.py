@@ -21,7 +21,7 @@ from stickslip_sym.model.expression.pieces import branch_from, kinks_at
 from stickslip_sym.model.expression.slope import slope_of
 from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.model.table import FrictionTable, Smooth
-from stickslip_sym.model.taylor_model import RestPolynomial, in_floats
+from stickslip_sym.model.taylor_model import RestPolynomial, coefficient_near_rest
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class BoundLaw:
 
     def shared(self) -> "BoundLaw":
         """Return the law that is equal to this one and was made first: what was computed of it is kept there."""
-        return _shared(self)
+        return _same_law(self)
 
     @property
     def kinetic(self) -> "BoundLaw":
@@ -224,7 +224,7 @@ class BoundLaw:
                     return None
             except ArithmeticError:
                 pass
-        return in_floats(self.segments[0][1], self.point)
+        return coefficient_near_rest(self.segments[0][1], self.point)
 
     @cached_property
     def rises(self) -> list[tuple[float, at_rest.Rising]]:
@@ -258,5 +258,5 @@ class BoundLaw:
 
 
 @lru_cache(maxsize=256)
-def _shared(law: BoundLaw) -> BoundLaw:
+def _same_law(law: BoundLaw) -> BoundLaw:
     return law

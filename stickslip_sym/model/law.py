@@ -19,7 +19,7 @@ from stickslip_sym.core.names import suggestion
 from stickslip_sym.core.numbers import Number, exact, require_type
 from stickslip_sym.core.remedies import AnySign, Argument, ParameterValues
 from stickslip_sym.core.uncertain import UFloat, separated, spread
-from stickslip_sym.core.units import in_si
+from stickslip_sym.core.units import si_number
 from stickslip_sym.model import at_rest
 from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.expression.dimensions import check_units
@@ -324,7 +324,7 @@ class FrictionLaw(Shown, DataResult):
         (0.5, 0.02)
         """
         units = {key: (self.parameters[key].unit if key in self.parameters else None) or "" for key in values}
-        numbers, errors = separated({key: in_si(value, key, units[key]) for key, value in values.items()})
+        numbers, errors = separated({key: si_number(value, key, units[key]) for key, value in values.items()})
         read = {name: exact(value, name) for name, value in numbers.items()}
         for key, value in read.items():
             if key not in self.parameters:

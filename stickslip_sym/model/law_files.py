@@ -47,10 +47,10 @@ def save(laws: FrictionLaw | Sequence[FrictionLaw], path: str | Path) -> None:
     ['linear', 'cubic']
     """
     require_type("path", path, str | PathLike, "the name of a file")
-    files.write_text(Path(path), text_of(laws))
+    files.write_text(Path(path), law_text(laws))
 
 
-def text_of(laws: FrictionLaw | Sequence[FrictionLaw]) -> str:
+def law_text(laws: FrictionLaw | Sequence[FrictionLaw]) -> str:
     """Return the text of the file that `save` writes."""
     single = not isinstance(laws, Iterable)
     listed: list[Any] = list(laws) if isinstance(laws, Iterable) else [laws]
@@ -91,7 +91,7 @@ def load(path: str | Path) -> FrictionLaw | tuple[FrictionLaw, ...]:
     """
     require_type("path", path, str | PathLike, "the name of a file")
     name = repr(str(path))
-    content = _read(Path(path), name)
+    content = _read_json(Path(path), name)
     if not isinstance(content, dict) or content.get("format") != _FORMAT:
         raise InputError(f"{name} holds no law; `save` writes them")
     version = content.get("version")
@@ -111,7 +111,7 @@ def load(path: str | Path) -> FrictionLaw | tuple[FrictionLaw, ...]:
         raise InputError(f"{name} lacks a part, or one has another shape: {error!r}") from None
 
 
-def _read(path: Path, name: str) -> object:
+def _read_json(path: Path, name: str) -> object:
     try:
         text = files.read_bytes(path, _LARGEST).decode()
     except UnicodeDecodeError as error:

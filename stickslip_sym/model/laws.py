@@ -71,7 +71,7 @@ def as_law(law: FrictionLaw | str | float | Expr) -> FrictionLaw:
     )
 
 
-def _read(entry: LawEntry) -> FrictionLaw:
+def _read_entry(entry: LawEntry) -> FrictionLaw:
     described = {parameter.name: Parameter(*parameter) for parameter in (*PARAMETERS, *entry.own)}
     return FrictionLaw(
         entry.formula,
@@ -84,4 +84,4 @@ def _read(entry: LawEntry) -> FrictionLaw:
 
 laws = Catalogue()
 """Every law of the catalogue."""
-laws.data |= {entry.name: partial(_read, entry) for entry in ENTRIES}
+laws.data |= {entry.name: partial(_read_entry, entry) for entry in ENTRIES}

@@ -26,7 +26,7 @@ def symbolic_limit_at_rest(expr: Expr) -> Expr:
         return sp.nan if any(limit is sp.nan for limit, _ in cases) else sp.Piecewise(*cases)
     # SymPy says in these ways that it finds no limit.
     try:
-        limit = fold(elementary(expr), _at_zero)
+        limit = fold(elementary(expr), _value_at_zero)
         if not limit.is_finite:  # SymPy takes for ever for functions of steep logarithms
             limit = sp.limit(elementary(expr), symbols.v, 0, "+")
     except (ArithmeticError, NotImplementedError, TypeError, ValueError):
@@ -34,7 +34,7 @@ def symbolic_limit_at_rest(expr: Expr) -> Expr:
     return sp.nan if limit.has(symbols.v, sp.Limit, sp.AccumBounds, sp.I, sp.nan) else limit
 
 
-def _at_zero(node: Expr, parts: list[Expr]) -> Expr:
+def _value_at_zero(node: Expr, parts: list[Expr]) -> Expr:
     """Return a node at v = 0, a logarithm there as minus infinity; NaN where that does not decide its limit."""
     if node == symbols.v:
         return sp.Integer(0)

@@ -7,7 +7,7 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import real, require_type
 from stickslip_sym.core.remedies import Argument, Name
 from stickslip_sym.core.symbols import require_sign
-from stickslip_sym.core.units import has_error, in_si
+from stickslip_sym.core.units import has_error, si_number
 from stickslip_sym.model.law import FrictionLaw
 
 
@@ -43,7 +43,7 @@ class Oscillator:
     def __post_init__(self) -> None:
         for field in fields(self):
             given = getattr(self, field.name)
-            if has_error(in_si(given, field.name) if isinstance(given, str) else str(given)):
+            if has_error(si_number(given, field.name) if isinstance(given, str) else str(given)):
                 raise InputError(
                     Name(field.name),
                     f" = {given} has a standard error, and an Oscillator holds numbers alone; give it beside, as ",

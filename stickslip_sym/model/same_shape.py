@@ -26,7 +26,7 @@ def law_of_same_shape(law: FrictionLaw) -> tuple[FrictionLaw, Mapping[Expr, Expr
     for candidate in laws.values():
         if _kinds(candidate.expr) != kinds:
             continue
-        values = _values(candidate, law)
+        values = _shared_values(candidate, law)
         if values is not None and is_same(substitute_numbers(candidate.expr, values), law.expr):
             return candidate, values
     return None
@@ -37,7 +37,7 @@ def _kinds(expr: Expr) -> set[type]:
     return {type(node) for node in expr.atoms(sp.Function) if node.has(v)}
 
 
-def _values(candidate: FrictionLaw, law: FrictionLaw) -> dict[Expr, Expr] | None:
+def _shared_values(candidate: FrictionLaw, law: FrictionLaw) -> dict[Expr, Expr] | None:
     """Return the values of all parameters that the terms of both laws agree in, or None."""
     equations = _equations(candidate.terms, law.terms)
     unknown = [parameter.symbol for parameter in candidate.parameters.values()]
@@ -71,11 +71,11 @@ def _equations(general: tuple[Term, ...], special: tuple[Term, ...]) -> list[_Eq
         if match is None:
             return None
         left.remove(match)
-        equations += _of_terms(term, match)
+        equations += _equations_of_terms(term, match)
     return None if left else equations
 
 
-def _of_terms(general: Term, special: Term) -> Iterator[_Equation]:
+def _equations_of_terms(general: Term, special: Term) -> Iterator[_Equation]:
     yield general.scale, special.scale
     yield general.amplitude, special.amplitude
     for shape, meaning in general.shapes.items():

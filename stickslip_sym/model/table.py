@@ -215,7 +215,7 @@ class FrictionTable:
 
     def values(self, v: FloatArray, *, derivative: bool = False) -> FloatArray:
         """Return the rise, or the slope of mu, at an array of slip speeds in m/s within the table."""
-        return _values(self.pieces[np.searchsorted(self.pieces[:, 0], v, side="right") - 1], v, derivative)
+        return _values_at(self.pieces[np.searchsorted(self.pieces[:, 0], v, side="right") - 1], v, derivative)
 
     @cached_property
     def narrow(self) -> FloatArray:
@@ -267,12 +267,12 @@ class FrictionTable:
         """By how much mu rises where each segment begins."""
         jumps = [0.0]
         for kink, i in zip(self.kinks, self.firsts[1:], strict=False):
-            below, above = self.onset + _values(self.pieces[i - 1 : i + 1], np.array([kink, kink]), False)
+            below, above = self.onset + _values_at(self.pieces[i - 1 : i + 1], np.array([kink, kink]), False)
             jumps.append(above - below if abs(above - below) > SAME * max(abs(above), abs(below)) else 0.0)
         return np.array(jumps)
 
 
-def _values(pieces: FloatArray, v: FloatArray, derivative: bool) -> FloatArray:
+def _values_at(pieces: FloatArray, v: FloatArray, derivative: bool) -> FloatArray:
     """Return polynomials, or their slopes, each at a speed."""
     t, value = (v - pieces[..., 1]) * pieces[..., 2], np.zeros_like(v)
     for k in range(_DEGREE, -1 + derivative, -1):
@@ -465,9 +465,9 @@ def _first(segment: _Segment) -> tuple[FloatArray, float]:
                 segment.is_sure(0.0, widths[i], steepest[i], 0)
                 or _is_sure_towards_rest(segment, float(widths[0]), float(widths[i]), steepest[i])
             ):
-                return _at_rest(widths[i], coefficients[i]), float(widths[i])
+                return _piece_at_rest(widths[i], coefficients[i]), float(widths[i])
     straight = np.append(values[0, -1] / nodes[0, -1], np.zeros(_DEGREE))
-    return _at_rest(widths[0], straight), float(widths[0])
+    return _piece_at_rest(widths[0], straight), float(widths[0])
 
 
 def _is_sure_towards_rest(segment: _Segment, low: float, high: float, steepest: float) -> bool:
@@ -484,7 +484,7 @@ def _is_sure_towards_rest(segment: _Segment, low: float, high: float, steepest: 
     return shown(holds, [(low, high)], halvings=halvings, cut=cut)
 
 
-def _at_rest(width: float, coefficients: FloatArray) -> FloatArray:
+def _piece_at_rest(width: float, coefficients: FloatArray) -> FloatArray:
     """Return the piece from 0 on with v g(v) in powers of t = v/width, g of degree one less."""
     # In powers of 2 t - 1 first, then of t, without the last coefficient, which is rounding.
     known = np.where(np.abs(coefficients[:-1]) > _VANISHES * np.abs(coefficients).max(), coefficients[:-1], 0.0)

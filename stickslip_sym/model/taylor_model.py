@@ -87,7 +87,7 @@ class TaylorModel:
         low, radius = self.low + other.low, self.radius
         tops = self.top + other.low, other.top + self.low
         top = min(tops)
-        sizes = _size(other.polynomial, radius), _size(self.polynomial, radius)
+        sizes = _bound_within_radius(other.polynomial, radius), _bound_within_radius(self.polynomial, radius)
         rests = self.rest, other.rest
         rest = sum((r * s * radius ** (t - top) for r, s, t in zip(rests, sizes, tops, strict=True)), arb(0))
         rest += self.rest * other.rest * radius ** (self.top + other.top - top)
@@ -96,7 +96,7 @@ class TaylorModel:
     def _cut(self, low: int, polynomial: arb_poly, top: int, rest: arb) -> "TaylorModel":
         """Return a model whose polynomial ends below x^top, and begins with what is not exactly 0."""
         kept = max(top - low, 0)
-        rest += _size(polynomial.right_shift(kept), self.radius) * self.radius ** max(low - top, 0)
+        rest += _bound_within_radius(polynomial.right_shift(kept), self.radius) * self.radius ** max(low - top, 0)
         coefficients = list(polynomial.truncate(kept))
         zeros = next((k for k, c in enumerate(coefficients) if c != 0 or c.rad() != 0), len(coefficients))
         whole = arb_poly(coefficients[zeros:])
@@ -110,7 +110,10 @@ class TaylorModel:
     @property
     def size(self) -> arb:
         """A bound on the function within the radius, for a function without a pole."""
-        return _size(self.polynomial, self.radius) * self.radius**self.low + self.rest * self.radius**self.top
+        return (
+            _bound_within_radius(self.polynomial, self.radius) * self.radius**self.low
+            + self.rest * self.radius**self.top
+        )
 
     def scaled(self, factor: arb, power: int = 0) -> "TaylorModel":
         """Return it times a number and a power of x."""
@@ -184,18 +187,18 @@ class TaylorModel:
             return acb("nan")
         left_out = (self.rest * arb(x.abs_upper()) ** max(self.top - self.low, 0)).abs_upper()
         sides = arb(0, left_out), arb(0) if x.imag == 0 else arb(0, left_out)
-        return (acb_poly(list(self.polynomial))(x) + acb(*sides)) * _whole_power(x, self.low)
+        return (acb_poly(list(self.polynomial))(x) + acb(*sides)) * _multiply_out(x, self.low)
 
 
 def _same(value: arb) -> arb:
     return value
 
 
-def _whole_power(x: acb, power: int) -> acb:
-    return reduce(mul, [x] * power, acb(1)) if power >= 0 else 1 / _whole_power(x, -power)
+def _multiply_out(x: acb, power: int) -> acb:
+    return reduce(mul, [x] * power, acb(1)) if power >= 0 else 1 / _multiply_out(x, -power)
 
 
-def _size(polynomial: arb_poly, radius: arb) -> arb:
+def _bound_within_radius(polynomial: arb_poly, radius: arb) -> arb:
     """Return a bound on a polynomial within a radius."""
     return arb_poly([abs(c) for c in polynomial])(radius)
 
@@ -283,14 +286,14 @@ class ExpansionAlgebra(Generic[S]):
         """Return a function of what is finite at v = 0."""
         start, rest = inner.split()
         coefficients = self.coefficients(known.kind, start)
-        return rest.inserted_in(coefficients, lambda farther: _largest(known, start, farther))
+        return rest.inserted_in(coefficients, lambda farther: _bound_on_disc(known, start, farther))
 
     def coefficients(self, kind: Any, start: arb) -> tuple[arb, ...]:
         """Return the first coefficients of a function around a ball."""
-        return _taylor(kind, start.mid().man_exp(), start.rad().man_exp(), self.count, ctx.prec)
+        return _taylor_coefficients(kind, start.mid().man_exp(), start.rad().man_exp(), self.count, ctx.prec)
 
 
-def _largest(function: Function, start: arb, farther: arb) -> arb:
+def _bound_on_disc(function: Function, start: arb, farther: arb) -> arb:
     """Return a bound on a function on a disc around a ball; NaN without one."""
     around = acb(start, 0) + acb(arb(0, farther), arb(0, farther))
     if function.ball is None or function.cut(around):
@@ -299,7 +302,9 @@ def _largest(function: Function, start: arb, farther: arb) -> arb:
 
 
 @lru_cache(maxsize=256)
-def _taylor(kind: Any, middle: tuple[int, int], radius: tuple[int, int], count: int, bits: int) -> tuple[arb, ...]:
+def _taylor_coefficients(
+    kind: Any, middle: tuple[int, int], radius: tuple[int, int], count: int, bits: int
+) -> tuple[arb, ...]:
     """Return the first coefficients of a function around a ball."""
     x, start = sp.Dummy(), arb(middle, radius)
     with working_precision(bits, count + 1):
@@ -360,11 +365,11 @@ def taylor_model(expr: Expr, point: Mapping[Expr, Expr]) -> TaylorModel | None:
 @lru_cache(maxsize=128)
 def _made(expr: Expr, point: tuple[tuple[Expr, Expr], ...], bits: int) -> TaylorModel | None:
     whole = sp.factor_terms(expr)  # a common factor, inexact, would hide that terms cancel
-    model = _with_pole(whole, dict(point), bits)
-    return None if model is None else _without_pole(model, whole)
+    model = _model_with_pole(whole, dict(point), bits)
+    return None if model is None else _remove_pole(model, whole)
 
 
-def _with_pole(expr: Expr, point: Mapping[Expr, Expr], bits: int) -> TaylorModel | None:
+def _model_with_pole(expr: Expr, point: Mapping[Expr, Expr], bits: int) -> TaylorModel | None:
     """Return the model of a function that may have a pole at v = 0."""
     unit, count = unit_of_powers(expr, point), min(bits // 3 + 10, _MOST_TERMS)
     if unit > _FINEST_UNIT:
@@ -382,14 +387,14 @@ def _with_pole(expr: Expr, point: Mapping[Expr, Expr], bits: int) -> TaylorModel
 def poles(expr: Expr, point: Mapping[Expr, Expr]) -> dict[sp.Rational, arb]:
     """Return the coefficients of the negative powers of v of a function at rest; none where it has no series."""
     with working_precision(_BITS_OF_FLOATS):
-        model = _with_pole(expr, point, _BITS_OF_FLOATS)
+        model = _model_with_pole(expr, point, _BITS_OF_FLOATS)
     if model is None or model.low >= 0:
         return {}
     count = min(-model.low, model.polynomial.length())
     return {sp.Rational(model.low + k, model.unit): model.polynomial[k] for k in range(count)}
 
 
-def _without_pole(model: TaylorModel, expr: Expr) -> TaylorModel | None:
+def _remove_pole(model: TaylorModel, expr: Expr) -> TaylorModel | None:
     """Return a model without a pole; None if it has one.
 
     Coefficients below x^0 that balls do not tell from 0 are 0 where SymPy finds a finite limit.
@@ -402,7 +407,7 @@ def _without_pole(model: TaylorModel, expr: Expr) -> TaylorModel | None:
     return replace(model, low=0, polynomial=model.polynomial.right_shift(-model.low))
 
 
-def in_floats(expr: Expr, point: Mapping[Expr, Expr]) -> tuple[float, RestPolynomial] | None:
+def coefficient_near_rest(expr: Expr, point: Mapping[Expr, Expr]) -> tuple[float, RestPolynomial] | None:
     """Return a coefficient near rest where its formula is no number at v = 0; None where it is, or has no series.
 
     That is the slip speed up to which it holds, and a polynomial in v^(1/unit) with unit and coefficients.

@@ -54,7 +54,7 @@ class Term:
     def in_parameters(self, function: Expr) -> Expr:
         """Return a function of the shapes and of speeds in units of the scale in terms of the law's parameters."""
         belt = {symbols.V: symbols.V / self.scale}
-        return _at_scale(substitute_numbers(function, {**belt, **self.shapes}), 1 / self.scale)
+        return _rescale(substitute_numbers(function, {**belt, **self.shapes}), 1 / self.scale)
 
     def __hash__(self) -> int:
         return hash((self.amplitude, self.scale, self.profile, tuple(self.shapes.items())))
@@ -82,7 +82,7 @@ def terms_of(mu: Expr) -> tuple[Term, ...]:
         if rest.is_polynomial(v):
             polynomial += constant * rest
         else:
-            terms.append(_in_letters(constant, rest))
+            terms.append(_take_numbers_for_parameters(constant, rest))
     return (*_polynomial_terms(polynomial, v), *terms)
 
 
@@ -107,7 +107,7 @@ def _cancelling(parts: Mapping[Expr, Expr]) -> list[list[Expr]]:
             continue
         at_end = [(parts[rest] * rest).subs(symbols.v, 1 / symbols.v if far else symbols.v) for rest in large]
         strengths = [poles(function, point) for function in at_end]
-        for powers in _shared(strengths):
+        for powers in _shared_power_sets(strengths):
             of = [k for k, strength in enumerate(strengths) if powers & strength.keys()]
             sums = [[strengths[k][power] for k in of if power in strengths[k]] for power in powers]
             if len(of) > 1 and all(map(cancels, sums)):
@@ -126,7 +126,7 @@ def _is_infinite(function: Expr, point: Mapping[Expr, Expr], *, far: bool) -> bo
     return bool(value.is_finite() and abs(value.real) > _GROWN)
 
 
-def _shared(strengths: Sequence[Mapping[Expr, object]]) -> list[set[Expr]]:
+def _shared_power_sets(strengths: Sequence[Mapping[Expr, object]]) -> list[set[Expr]]:
     """Return sets of powers such that what has one of a set has none of another."""
     sets: list[set[Expr]] = []
     for strength in strengths:
@@ -160,7 +160,7 @@ def _polynomial_terms(polynomial: Expr, v: Expr) -> Iterator[Term]:
 # -- amplitude, scale and shapes ---------------------------------------------------------------------
 
 
-def _in_letters(constant: Expr, rest: Expr) -> Term:
+def _take_numbers_for_parameters(constant: Expr, rest: Expr) -> Term:
     """Return a term whose long numbers are taken for parameters: those that are left in its profile are shapes."""
     general = name_constants(rest)
     term = _scaled(sp.Integer(1), general.expr)
@@ -174,12 +174,12 @@ def _scaled(constant: Expr, rest: Expr, rounded: Callable[[Expr], Expr] = lambda
     scales = map(rounded, speed_scales(rest, symbols.v))
     numbers = rest.has(sp.Piecewise)  # places that are numbers stay what they are, and the pieces with them
     candidates = [scale for scale in scales if scale.is_positive and not (numbers and scale.is_number)]
-    terms = [_with_scale(constant, rest, scale) for scale in dict.fromkeys([*candidates, sp.Integer(1)])]
+    terms = [_term_of_scale(constant, rest, scale) for scale in dict.fromkeys([*candidates, sp.Integer(1)])]
     return min(terms, key=lambda term: (len(term.shapes), term.profile.count_ops()))
 
 
-def _with_scale(constant: Expr, rest: Expr, scale: Expr) -> Term:
-    function = _simplified(_logarithms_apart(_at_scale(rest, scale)))
+def _term_of_scale(constant: Expr, rest: Expr, scale: Expr) -> Term:
+    function = _simplified(_logarithms_apart(_rescale(rest, scale)))
     if function.is_Add and not function.is_polynomial(symbols.v):  # terms that cancel
         function = sp.factor_terms(function)
     coefficient, profile = function.as_independent(symbols.v, as_Add=False)
@@ -188,12 +188,12 @@ def _with_scale(constant: Expr, rest: Expr, scale: Expr) -> Term:
         content, monic = polynomial.monic().as_expr().as_content_primitive()
         coefficient, profile = coefficient * polynomial.LC() * content, monic
     meanings: dict[Expr, Expr] = {}
-    profile = _without_parameters(profile, meanings)
+    profile = _replace_parameters(profile, meanings)
     shapes = {symbol: meaning for meaning, symbol in meanings.items()}
     return Term(sp.factor(constant * coefficient), scale, profile, shapes)
 
 
-def _at_scale(rest: Expr, scale: Expr) -> Expr:
+def _rescale(rest: Expr, scale: Expr) -> Expr:
     """Write scale v for v; the places of kinks are divided by the scale."""
     if scale == 1:
         return rest
@@ -220,10 +220,10 @@ def _simplified(expr: Expr) -> Expr:
     if expr.has(sp.Piecewise):
         return expr.xreplace({node: _simplified_pieces(node) for node in expr.atoms(sp.Piecewise)})
     if expr.is_rational_function(symbols.v):
-        return _with_plain_factors(sp.factor(expr))
-    expr = expr.replace(lambda node: node.is_Pow and not node.exp.is_Integer, _with_plain_factors)
+        return _normalise_factors(sp.factor(expr))
+    expr = expr.replace(lambda node: node.is_Pow and not node.exp.is_Integer, _normalise_factors)
     return expr.replace(
-        lambda node: isinstance(node, sp.Function), lambda node: node.func(*map(_factored, node.args))
+        lambda node: isinstance(node, sp.Function), lambda node: node.func(*map(_factored_polynomial, node.args))
     )
 
 
@@ -238,7 +238,7 @@ def _simplified_pieces(node: Expr) -> Expr:
     return common * node.func(*((piece / common, holds) for piece, holds in zip(pieces, conditions, strict=True)))
 
 
-def _with_plain_factors(product: Expr) -> Expr:
+def _normalise_factors(product: Expr) -> Expr:
     """Write each power of a polynomial in a product with 1 for its constant coefficient, or its highest one."""
     plain, v = [], symbols.v
     for factor in sp.Mul.make_args(product):
@@ -251,7 +251,7 @@ def _with_plain_factors(product: Expr) -> Expr:
                 continue
             unit = sp.factor(powers.nth(0) or powers.LC())
             if unit.is_positive or exponent.is_Integer:
-                plain += [unit**exponent, _factored(base, unit) ** exponent]
+                plain += [unit**exponent, _factored_polynomial(base, unit) ** exponent]
                 continue
         plain.append(factor)
     return sp.Mul(*plain)
@@ -268,7 +268,7 @@ def _completed_square(powers: sp.Poly) -> tuple[Expr, Expr, Expr] | None:
     return a, sp.factor(middle / (2 * a)), sp.sqrt(gap) / (2 * a)
 
 
-def _factored(expr: Expr, unit: Expr = sp.S.One) -> Expr:
+def _factored_polynomial(expr: Expr, unit: Expr = sp.S.One) -> Expr:
     """Write a polynomial in v by its coefficients, each divided by a unit and factored; leave what is none."""
     if not (expr.has(symbols.v) and expr.is_polynomial(symbols.v)):
         return expr
@@ -276,29 +276,29 @@ def _factored(expr: Expr, unit: Expr = sp.S.One) -> Expr:
     return sp.Add(*(sp.factor(coefficient / unit) * symbols.v**k for (k,), coefficient in powers))
 
 
-def _without_parameters(expr: Expr, names: dict[Expr, Expr]) -> Expr:
+def _replace_parameters(expr: Expr, names: dict[Expr, Expr]) -> Expr:
     """Replace the parameters of a function of v by shapes p_1, p_2, ..., which `names` keeps by their meanings."""
     if not shapes_of(expr):
         return expr
     if isinstance(expr, sp.Expr) and not expr.has(symbols.v):
-        return _constant(expr, names)
+        return _constant_as_shapes(expr, names)
     if expr.is_Add or expr.is_Mul:
         fixed, moving = expr.as_independent(symbols.v, as_Add=expr.is_Add)
-        parts = [_without_parameters(part, names) for part in expr.func.make_args(moving)]
-        return expr.func(*([_constant(fixed, names)] if fixed != expr.func.identity else []), *parts)
-    return expr.func(*(_without_parameters(argument, names) for argument in expr.args))
+        parts = [_replace_parameters(part, names) for part in expr.func.make_args(moving)]
+        return expr.func(*([_constant_as_shapes(fixed, names)] if fixed != expr.func.identity else []), *parts)
+    return expr.func(*(_replace_parameters(argument, names) for argument in expr.args))
 
 
-def _constant(expr: Expr, names: dict[Expr, Expr]) -> Expr:
+def _constant_as_shapes(expr: Expr, names: dict[Expr, Expr]) -> Expr:
     """Replace a function of the parameters by shapes: sums term by term, monomials up to a power."""
     if not expr.free_symbols:
         return expr
     if expr.is_Add:
-        return sp.Add(*(_constant(term, names) for term in expr.args))
+        return sp.Add(*(_constant_as_shapes(term, names) for term in expr.args))
     if expr.is_Pow and expr.exp.free_symbols:
-        return _constant(expr.base, names) ** _constant(expr.exp, names)
+        return _constant_as_shapes(expr.base, names) ** _constant_as_shapes(expr.exp, names)
     if isinstance(expr, sp.exp):
-        return sp.exp(_constant(expr.exp, names))
+        return sp.exp(_constant_as_shapes(expr.exp, names))
     number, product = expr.as_coeff_Mul()
     powers = product.as_powers_dict()
     if all(exponent.is_Rational for exponent in powers.values()):
@@ -393,11 +393,11 @@ def _scales_of(node: Expr, v: Expr) -> Iterator[Expr]:
     elif node.is_Pow and not node.exp.is_Integer and node.base.is_Mul:
         constant, rest = node.base.as_independent(v, as_Add=False)
         if rest == v:
-            yield _positive(1 / constant)
+            yield _absolute_value(1 / constant)
     elif node.is_Add:
         for (p, a), (q, b) in pairwise(_monomials(node.args, v)):
             if p != q:
-                yield _root(a / b, q - p)
+                yield _positive_root(a / b, q - p)
         if node.has(sp.log(v)):  # of log(A/v), the speed A
             scale = sp.exp(-node.coeff(sp.log(v), 0) / node.coeff(sp.log(v)))
             if scale.is_positive and not scale.has(v, sp.exp):
@@ -409,14 +409,14 @@ def _scales_of(node: Expr, v: Expr) -> Iterator[Expr]:
             powers: dict[Expr, Expr] = {}
             for p, a in _monomials(sp.Add.make_args(sp.expand_mul(argument)), v):
                 powers[p] = powers.get(p, 0) + a
-            yield from (_root(1 / sp.factor(a), p) for p, a in powers.items() if p != 0 and a != 0)
+            yield from (_positive_root(1 / sp.factor(a), p) for p, a in powers.items() if p != 0 and a != 0)
 
 
-def _root(value: Expr, index: Expr) -> Expr:
-    return sp.powdenest(_positive(value) ** (1 / index), force=True)
+def _positive_root(value: Expr, index: Expr) -> Expr:
+    return sp.powdenest(_absolute_value(value) ** (1 / index), force=True)
 
 
-def _positive(value: Expr) -> Expr:
+def _absolute_value(value: Expr) -> Expr:
     return value if value.is_positive else sp.Abs(value)
 
 

@@ -44,7 +44,7 @@ def collect(
     """
     results: list[Result | None] = [None] * len(tasks)
     left = time_left()
-    limited = function if math.isinf(left) else partial(_until, time.time() + left, function)
+    limited = function if math.isinf(left) else partial(_carry_out_until, time.time() + left, function)
     done = 0
     with stages() as say:
         say(what, done, len(tasks))
@@ -59,7 +59,7 @@ def collect(
     return results
 
 
-def _until(end: float, function: Callable[[Task], Result], task: Task) -> Result:
+def _carry_out_until(end: float, function: Callable[[Task], Result], task: Task) -> Result:
     """Carry out a task with the time until a given one, in seconds of the clock that all processes have."""
     with time_limit(min(max(end - time.time(), 0.0), LONGEST)):
         return function(task)

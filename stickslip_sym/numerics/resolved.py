@@ -251,7 +251,7 @@ def resolve(
         for i, one in enumerate(intervals):
             row = column[i * NODES : (i + 1) * NODES]
             if sketch is None:
-                decisions.append(fitted(one.low, one.high, row, rtol))
+                decisions.append(fit_polynomial(one.low, one.high, row, rtol))
             else:
                 decisions.append(closer(one, x[i], row))
         return decisions
@@ -265,7 +265,7 @@ def resolve(
         decision, _ = _sketched(one.low, one.high, row, rtol)
         if isinstance(decision, Accept):
             return decision
-        return fitted(one.low, one.high, row, rtol)
+        return fit_polynomial(one.low, one.high, row, rtol)
 
     limits = DivisionLimits(budget, cost=NODES, narrowest=_NARROWEST * (edges[-1] - edges[0]))
     found = subdivide(list(pairwise(edges)), look, limits=limits, at_once=most)
@@ -278,7 +278,7 @@ def resolve(
     return Resolved(tuple(found.payloads), tuple(stretches), rtol)
 
 
-def fitted(low: float, high: float, row: Column, rtol: float) -> Decision[Piece, Range]:
+def fit_polynomial(low: float, high: float, row: Column, rtol: float) -> Decision[Piece, Range]:
     """Accept the polynomial through values at the `nodes` of an interval if its last coefficients vanish."""
     values = row.filled(np.nan)
     if np.isinf(values[0]) and (values == values[0]).all():  # it lies beyond every level
@@ -309,7 +309,7 @@ def _sketched(low: float, high: float, row: Column, rtol: float) -> tuple[Decisi
     """
     values = row.filled(np.nan)
     if not np.isfinite(values).all():
-        return fitted(low, high, row, rtol), math.inf
+        return fit_polynomial(low, high, row, rtol), math.inf
     coefficients = values @ grid(NODES).coefficients
     last = float(tail(coefficients, _TAIL))
     piece = Piece(low, high, coefficients, float(_NOISE * row.errors.max() + last))

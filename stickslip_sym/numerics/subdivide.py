@@ -246,7 +246,7 @@ def shown(
     return True
 
 
-def boundary(
+def locate_boundary(
     holds: Callable[[float], bool], inside: float, outside: float, narrowest: float
 ) -> tuple[float, float]:
     """Return two numbers close together between which something ceases to hold."""

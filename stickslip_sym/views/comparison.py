@@ -179,7 +179,7 @@ dispatch.print_page.register(Study, print_page_of_study)
 def study_as_text(study: Study) -> str:
     """Return warnings, the decision, the operating point, and what else was found."""
     values = {name: study.value(name) for name in ("c", "V", "N", "m", "k")}
-    point = f"{study.law.name or study.law.text}, {symbols.in_words(values, study.defaults)}"
+    point = f"{study.law.name or study.law.text}, {symbols.quantities_text(values, study.defaults)}"
     headline, *others = study.findings
     return "\n".join([*(f"warning: {text}" for text in study.warnings), headline, point, *others])
 

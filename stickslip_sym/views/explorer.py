@@ -80,7 +80,7 @@ def explorer(
     """
     warn_where_negative(law.kinetic, osc.V)
     law.require_speed(2 * osc.V)
-    fixed = {str(symbol) for symbol in writer.shapes_of(law)}
+    fixed = {str(symbol) for symbol in writer.shapes_in_code(law)}
     values = {name: float(value) for name, value in law.values.items()}
     moved = {name: parameter for name, parameter in law.parameters.items() if name not in fixed}
     sliders = [_slider_of_quantity(name, getattr(osc, name)) for name in _SIGNS]
@@ -198,7 +198,7 @@ def _law_code(law: FrictionLaw) -> str:
     names = {symbols.v: "v"} | {p.symbol: f"p[{i}]" for i, p in enumerate(law.parameters.values())}
 
     def text(expr: Expr) -> str:
-        return writer.text_of(expr, names, LANGUAGES["javascript"])
+        return writer.expression_text(expr, names, LANGUAGES["javascript"])
 
     formulas = {"mu": law.expr, "mu_static": law.static_expr, "slope": law.slope_expr}
     functions = [f"function {name}(v, p) {{\n  return {text(expr)};\n}}\n" for name, expr in formulas.items()]

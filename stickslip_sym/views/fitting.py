@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from stickslip_sym.core.uncertain import interval, with_error
+from stickslip_sym.core.uncertain import interval_text, text_with_error
 from stickslip_sym.model.fitting.result import Fit, Fits
 from stickslip_sym.model.fitting.weights import RANKED, speeds_that_count
 from stickslip_sym.output import markup
@@ -28,8 +28,8 @@ def parts_of_fit(fit: Fit) -> list[str | HeadedRows]:
     """Return the law, its parameters with their intervals, how well it fits, and warnings."""
     rows = []
     for name, (low, high) in fit.confidence().items():
-        value = with_error(fit.values[name], fit.standard_errors[name])
-        rows.append([name, value, interval(low, high), fit.law.parameters[name].unit or ""])
+        value = text_with_error(fit.values[name], fit.standard_errors[name])
+        rows.append([name, value, interval_text(low, high), fit.law.parameters[name].unit or ""])
     about = f"residual standard deviation {fit.sigma:.3g}, AICc {fit.aicc:.6g}, weight {fit.weight:.2g}"
     about += f"; {fit.noise}" * bool(fit.noise)
     if fit.measured.branches is not None and fit.measured.branches.differ:

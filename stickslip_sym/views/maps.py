@@ -68,7 +68,7 @@ def results_as_html(results: ResultsOverAxes) -> str:
 @dispatch.title.register(ResultsOverAxes)
 def title_of_results(results: ResultsOverAxes) -> str:
     """Return the law, and the quantities that are no axis."""
-    return f"{results.law.name or 'friction law'}: {symbols.in_words(results.fixed)}"
+    return f"{results.law.name or 'friction law'}: {symbols.quantities_text(results.fixed)}"
 
 
 @summary.register(CellMap)

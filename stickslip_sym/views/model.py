@@ -12,7 +12,7 @@ from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import real
 from stickslip_sym.core.remedies import Argument
-from stickslip_sym.core.uncertain import with_error
+from stickslip_sym.core.uncertain import text_with_error
 from stickslip_sym.model.error_band import error_band
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import Catalogue
@@ -61,7 +61,7 @@ def law_as_html(law: FrictionLaw) -> str:
     notes = [f"{kind}: {text}" for kind, text in about.items() if text]
     names = notation_of(law.parameters)
     values = {key: f"{float(value):g}" for key, value in law.values.items()}
-    values |= {key: with_error(error.nominal_value, error.std_dev) for key, error in law.uncertain.items()}
+    values |= {key: text_with_error(error.nominal_value, error.std_dev) for key, error in law.uncertain.items()}
     rows = [
         [markup.formula(names[key]), values.get(key, ""), of.typical or "", of.unit or "", of.meaning]
         for key, of in law.parameters.items()

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip_sym.core.uncertain import with_error
+from stickslip_sym.core.uncertain import text_with_error
 from stickslip_sym.model.negative import note_at_rest
 from stickslip_sym.motion.thresholds.methods import accuracy
 from stickslip_sym.motion.thresholds.threshold import Threshold
@@ -40,7 +40,7 @@ def _values_in_words(threshold: Threshold[Any]) -> str:
     elif spread is None or threshold.theorems or np.isnan(spread):
         text = f"{threshold.enclosure or format(low, '.10g')} kg/s ({basis})"
     else:
-        value = with_error(float(low), float(spread))
+        value = text_with_error(float(low), float(spread))
         return f"{value} kg/s (parameters) +/- {_error_of_method(threshold.error)} (method: {threshold.method})"
     if spread is not None:
         size = f"{ranged(spread, '.2g')} kg/s" if np.isfinite(spread).all() else "unknown"

@@ -13,7 +13,7 @@ from commands import shell, started
 from rich.progress import Progress
 from systems import needs_posix_shell
 
-from stickslip_sym.cli.output import under_way
+from stickslip_sym.cli.output import show_progress
 from stickslip_sym.cli.program import program
 from stickslip_sym.core.progress import steps
 
@@ -96,7 +96,7 @@ def test_what_is_under_way_is_shown_in_a_terminal_only(terminal, monkeypatch):
     stream.is_one = terminal
     monkeypatch.setattr("sys.stderr", stream)
     monkeypatch.setenv("TERM", "xterm")
-    with under_way("study"), steps(range(3), lambda i: f"the plane [of] {i}") as numbers:
+    with show_progress("study"), steps(range(3), lambda i: f"the plane [of] {i}") as numbers:
         for _ in numbers:
             pass
     assert ("study: the plane [of] 2 (3 of 3)" in stream.getvalue()) == terminal

@@ -10,7 +10,7 @@ import pytest
 
 import stickslip_sym as ss
 from stickslip_sym.cli.program import program
-from stickslip_sym.cli.wording import in_options
+from stickslip_sym.cli.wording import option_wording
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.core.remedies import Argument
 
@@ -149,8 +149,8 @@ def test_a_foreign_word_is_noticed():
 def test_an_option_of_another_command_is_named_with_it():
     context = program.make_context("stickslip", ["study", "linear"])
     context.invoked_subcommand = "study"
-    assert in_options(Argument("method", "orbit"), context) == "stickslip damping --method orbit"
-    assert in_options(Argument("c"), context) == "-c ..."
+    assert option_wording(Argument("method", "orbit"), context) == "stickslip damping --method orbit"
+    assert option_wording(Argument("c"), context) == "-c ..."
 
 
 def test_no_message_writes_an_argument_or_an_option_by_hand():

@@ -10,7 +10,7 @@ from flint import acb, arb, arb_series, ctx
 
 import stickslip_sym as ss
 from stickslip_sym.core import balls
-from stickslip_sym.core.precision import from_mpmath
+from stickslip_sym.core.precision import ball_of_mpmath
 
 x = sp.Symbol("x")
 
@@ -27,7 +27,7 @@ def test_constants_of_closed_forms():
             truth = mpmath.mpf(sp.N(expr, 35))
             value = balls.ball_value(expr, {}).real
             assert value.rad() < 1e-35
-            assert value.overlaps(from_mpmath(truth, abs(truth) * mpmath.mpf("1e-30")).real), expr
+            assert value.overlaps(ball_of_mpmath(truth, abs(truth) * mpmath.mpf("1e-30")).real), expr
 
 
 @pytest.mark.parametrize("function", [sp.log, sp.sqrt, lambda a: a ** sp.Rational(3, 10), sp.atan, sp.asinh])

@@ -16,7 +16,7 @@ from sweeps import sweep
 
 from stickslip_sym.core import balls
 from stickslip_sym.core.functions import FUNCTIONS, fold
-from stickslip_sym.core.precision import from_mpmath, in_mpmath, mp, working_precision
+from stickslip_sym.core.precision import ball_of_mpmath, middle_in_mpmath, mp, working_precision
 from stickslip_sym.core.special import Ein, Langevin, Lerch, NumberPower
 
 x = sp.Symbol("x")
@@ -147,11 +147,11 @@ def test_a_narrow_ball_holds_the_value_by_mpmath(draws):
             ball = balls.ball_function(expr, x, {})(point, False)
             if ball.is_finite() and ball.abs_upper() < 1e6 and ball.rad() < 1e-30:
                 try:
-                    truth = fold(expr, at(mpmath.mpc(in_mpmath(point))))
+                    truth = fold(expr, at(mpmath.mpc(middle_in_mpmath(point))))
                 except (mpmath.mp.NoConvergence, ValueError):
                     continue
                 looked += 1
-                assert ball.overlaps(from_mpmath(mpmath.mpc(truth), mpmath.mpf("1e-25"))), expr
+                assert ball.overlaps(ball_of_mpmath(mpmath.mpc(truth), mpmath.mpf("1e-25"))), expr
     assert looked > draws / 2
 
 

@@ -209,13 +209,13 @@ def test_what_became_of_a_search_is_said(fresh_averages, monkeypatch):
     with pytest.raises(ss.NoClosedForm, match=r"the term d\*cos\(exp\(v\)\) has no .*was not asked.*Take"):
         ss.derive(ss.FrictionLaw(HOPELESS), search=False)
     x = sp.Symbol("x", positive=True)
-    assert search.antiderivative(sp.cos(x), sp.Integer(1), x) == sp.sin(x)
+    assert search.search_antiderivative(sp.cos(x), sp.Integer(1), x) == sp.sin(x)
     monkeypatch.setitem(sys.modules, "resource", None)  # as on a platform without limits of memory
     before = sys.gettrace()
     search.confine(10**9)
     sys.settrace(before)
     with pytest.raises(search.NothingFound, match="in the steps that it is granted"):
-        search.antiderivative(sp.cos(x), sp.Integer(1), x, 100)
+        search.search_antiderivative(sp.cos(x), sp.Integer(1), x, 100)
 
 
 # -- never a wrong one -------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from stickslip_sym import symbols
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import to_mpf
-from stickslip_sym.core.precision import from_mpmath, working_precision
+from stickslip_sym.core.precision import ball_of_mpmath, working_precision
 from stickslip_sym.core.symbols import V, u
 from stickslip_sym.criteria.enclosure import average_enclosure
 from stickslip_sym.formula.exact import formula_ball, to_digits
@@ -99,8 +99,8 @@ def test_mpmath_s_value_is_within_its_ball(kind):
         with working_precision(120):
             value, alone = formula_ball(expr, point)
             assert not alone
-            assert from_mpmath(right, 0).real in value.real
-            assert from_mpmath(right * (1 + mpmath.mpf("1e-25")), 0).real not in value.real
+            assert ball_of_mpmath(right, 0).real in value.real
+            assert ball_of_mpmath(right * (1 + mpmath.mpf("1e-25")), 0).real not in value.real
         with mpmath.workdps(30):
             assert abs(to_digits(expr, point, 20) - right) <= abs(right) * mpmath.mpf("1e-20")
 

@@ -19,9 +19,9 @@ from stickslip_sym.numerics.subdivide import (
     DivisionLimits,
     Halve,
     WorkBudget,
-    boundary,
     exact_middle,
     joined,
+    locate_boundary,
     shown,
     subdivide,
 )
@@ -116,9 +116,9 @@ def test_shown_looks_at_every_part_and_false_is_no_answer():
 
 
 def test_boundaries_and_joined_intervals():
-    inside, outside = boundary(lambda x: x < 2 / 3, 0.0, 1.0, 1e-9)
+    inside, outside = locate_boundary(lambda x: x < 2 / 3, 0.0, 1.0, 1e-9)
     assert (inside < 2 / 3 <= outside, outside - inside <= 1e-9) == (True, True)
-    inside, outside = boundary(lambda x: x < 2 / 3, 0.0, 1.0, 0.0)
+    inside, outside = locate_boundary(lambda x: x < 2 / 3, 0.0, 1.0, 0.0)
     assert np.nextafter(inside, 1) == outside
     assert joined([(2, 3), (0, 1), (1, 1.5), (0.2, 0.5)]) == [(0, 1.5), (2, 3)]
 

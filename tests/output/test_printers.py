@@ -174,7 +174,7 @@ def written(name, batch):
         if not expr.has(sp.Piecewise, sp.sign):  # pieces are branches of an average, or shapes that have values
             names = {symbol: f"x{i}" for i, symbol in enumerate(point)}
             values = [float(value) for value in point.values()]
-            yield expr, writer.text_of(expr, names, WRITTEN[name]), names.values(), values, expected
+            yield expr, writer.expression_text(expr, names, WRITTEN[name]), names.values(), values, expected
 
 
 def computed(name, batch, folder):
@@ -217,4 +217,4 @@ def test_code_that_drops_brackets_is_caught(monkeypatch, tmp_path):
 )
 def test_functions_that_no_language_has_are_refused(function, name):
     with pytest.raises(ss.InputError, match=f"cannot be written as code: {name} lacks"):
-        writer.text_of(a + 2 * function / b, {V: "V", a: "a", b: "b"}, WRITTEN[name])
+        writer.expression_text(a + 2 * function / b, {V: "V", a: "a", b: "b"}, WRITTEN[name])

@@ -8,7 +8,7 @@ import sympy as sp
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
-from stickslip_sym.core.functions import without_squares
+from stickslip_sym.core.functions import write_sech
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.model.terms import speed_scales
 
@@ -66,7 +66,7 @@ def mean_slope(form, columns):
     V = columns["V"][:, None]
     with np.errstate(all="ignore"):
         if form.criterion.weight is None:
-            curvature = function_of(arguments, without_squares(v * sp.diff(law.slope_expr, v)), "numpy")
+            curvature = function_of(arguments, write_sech(v * sp.diff(law.slope_expr, v)), "numpy")
             sizes = np.fmax(abs(slope(V, *rest)), abs(curvature(V, *rest))) + 0 * V
             return columns["N"] * np.nan_to_num(sizes[:, 0])
         x, w = np.polynomial.legendre.leggauss(POINTS)

@@ -9,12 +9,12 @@ from stickslip_sym.certificates.coq.printer import Unsupported
 from stickslip_sym.certificates.coq.tactics import Script, solved, unfolded
 from stickslip_sym.certificates.coq.words import (
     Generators,
-    by_places,
     denominators,
-    place_of,
+    place_in_condition,
     places_of,
     require_regular,
     roots_of,
+    solve_conditions_for_speed,
     square_free,
 )
 from stickslip_sym.core import symbols
@@ -30,8 +30,8 @@ class Slope(Script):
 
     def text(self) -> str:
         """Return the script."""
-        mu = by_places(self.words(self.form.law.expr, self.v), self.v)
-        c = by_places(self.words(self.form.expr, self.v), V)
+        mu = solve_conditions_for_speed(self.words(self.form.law.expr, self.v), self.v)
+        c = solve_conditions_for_speed(self.words(self.form.expr, self.v), V)
         places = places_of(mu, self.v)
         if len(places) > _MOST_PLACES:
             raise Unsupported(
@@ -50,7 +50,7 @@ class Slope(Script):
 
     def _slope(self, label: int, mu: Expr, c: Expr, below: Mapping[Expr, bool]) -> str:
         """Prove the slope for a belt speed on one side of each place."""
-        piece, value = _on(mu, below, self.v), _on(c, below, V)
+        piece, value = _piece_beside(mu, below, self.v), _piece_beside(c, below, V)
         here = piece.xreplace({self.v: V})
         require_regular(self.v, piece, at_rest=False)
         generators = Generators([here, value])
@@ -88,10 +88,10 @@ class Slope(Script):
         )
 
 
-def _on(expr: Expr, below: Mapping[Expr, bool], speed: Expr) -> Expr:
+def _piece_beside(expr: Expr, below: Mapping[Expr, bool], speed: Expr) -> Expr:
     """Return the piece of an expression on one side of each place."""
 
     def chosen(*pairs: Expr) -> Expr:
-        return next(value for value, holds in pairs if holds == sp.true or below[place_of(holds, speed)])
+        return next(value for value, holds in pairs if holds == sp.true or below[place_in_condition(holds, speed)])
 
     return expr.replace(sp.Piecewise, chosen)

@@ -16,15 +16,15 @@ from stickslip_sym.certificates.coq.tactics import ROOT_OF_PRODUCT, Script, solv
 from stickslip_sym.certificates.coq.words import (
     Generators,
     bounds_of,
-    by_places,
     denominators,
+    factor_out_range,
     functions_of,
-    in_units_of_range,
     places_of,
+    reduce_squared_roots,
     require_regular,
     roots_of,
+    solve_conditions_for_speed,
     square_free,
-    without_squares,
 )
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
@@ -142,7 +142,7 @@ class Integral(Script):
             label,
             average.shapes,
             average.conditions,
-            by_places(words(expr), self.u),
+            solve_conditions_for_speed(words(expr), self.u),
             tuple(map(words, pieces_of(expr)[0])),
             tuple(map(words, primitives)),
             tuple(map(words, (*lows, highs[-1]))),
@@ -285,7 +285,7 @@ class Integral(Script):
 
     def text(self) -> str:
         """Return the script."""
-        mu = by_places(self.words(self.form.law.expr, self.v), self.v)
+        mu = solve_conditions_for_speed(self.words(self.form.law.expr, self.v), self.v)
         c = self.words(self.form.expr, self.v)
         shares = {term: self.words(share, self.v) for term, share in self.form.shares}
         if self._boundary():
@@ -309,7 +309,7 @@ class Integral(Script):
         return denominators(*exprs, without=(self.u, self.r))
 
     def _value_of(self, row: LawTerm) -> Expr:
-        return without_squares(row.profile.value.xreplace({**row.shapes, self.r: V / row.scale}))
+        return reduce_squared_roots(row.profile.value.xreplace({**row.shapes, self.r: V / row.scale}))
 
     def _letters(self) -> list[Expr]:
         """Return the amplitudes, scales and shapes of the terms."""
@@ -393,7 +393,7 @@ class Integral(Script):
             text = CoqPrinter(self.names | given).doprint(node)
             bounds.append((text, node.xreplace({**row.shapes, self.r: V / row.scale})))
         for text, node in sorted(dict(bounds).items()):
-            if (scaled := in_units_of_range(node, V)) is not None and self.code(scaled[1]) != text:
+            if (scaled := factor_out_range(node, V)) is not None and self.code(scaled[1]) != text:
                 factor, bound = scaled
                 yield f"replace ({text}) with ({self.whole(factor)} * {self.whole(bound)}) by (symmetry; scaled)"
 
@@ -408,7 +408,7 @@ class Integral(Script):
         """Prove that the law is the sum of its terms, whichever of their pieces hold."""
         profiles = ", ".join(f"g{profile.label}" for profile in self.profiles)
         shown = [
-            without_squares(row.profile.expr.xreplace({**row.shapes, self.u: self.v / row.scale}))
+            reduce_squared_roots(row.profile.expr.xreplace({**row.shapes, self.u: self.v / row.scale}))
             for row in self.rows
         ]
         equality = self.equation(

@@ -15,9 +15,9 @@ from stickslip_sym.certificates.coq.words import (
     depth,
     differs,
     functions_of,
-    in_words,
     is_monomial,
     require_independent,
+    rewrite_for_coq,
     roots_of,
     square_free,
     two_factors,
@@ -28,13 +28,13 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.formula.closed_form import ClosedForm
 
 
-def _parts(name: str) -> dict[str, str]:
+def _named_parts(name: str) -> dict[str, str]:
     """Return the parts of a file beside this one, each of which begins with a comment "# name", by their names."""
     text = Path(__file__).with_name(name).read_text(encoding="utf-8")
     return dict(re.findall(r"\(\*# (\w+) \*\)\n(.*?)(?=\(\*# |\Z)", text, re.DOTALL))
 
 
-LIBRARY, TEMPLATE = _parts("library.v"), _parts("template.v")
+LIBRARY, TEMPLATE = _named_parts("library.v"), _named_parts("template.v")
 
 _MADE = r"(?:Lemma|Definition|Ltac|Instance) (\w+)"
 _ALWAYS = ("tactics",)
@@ -94,7 +94,7 @@ class Script:
 
     def words(self, expr: Expr, speed: Expr) -> Expr:
         """Return an expression of the package in the words of a script, with another letter for the slip speed."""
-        return in_words(sp.sympify(expr).xreplace({symbols.v: speed}), speed)
+        return rewrite_for_coq(sp.sympify(expr).xreplace({symbols.v: speed}), speed)
 
     def hypotheses(
         self, letters: Iterable[Expr], excluded: Iterable[Expr], relations: Iterable[Expr] = (), label: str = ""
@@ -129,9 +129,9 @@ class Script:
             ):
                 needed.insert(0, name)
                 text = lemmas + text
-        library = "\n".join(_kept(LIBRARY[name], needed).rstrip() for name in needed)
-        head = self.part("head", title=_in_comment(self.title), library=library)
-        return "\n".join(map(_wrapped, (head + law + proof + TEMPLATE["end"]).splitlines())) + "\n"
+        library = "\n".join(_kept_lemmas(LIBRARY[name], needed).rstrip() for name in needed)
+        head = self.part("head", title=_comment_text(self.title), library=library)
+        return "\n".join(map(_wrap_line, (head + law + proof + TEMPLATE["end"]).splitlines())) + "\n"
 
     # -- equations -----------------------------------------------------------------------------------
 
@@ -192,16 +192,16 @@ class Script:
         for head in self.heads(*exprs):
             name = head.strip("()").split()[0]
             if name in _VALUES and self._may_be(name, sp.Integer(_VALUES[name]), exprs, at):
-                yield f"value {head} {_VALUES[name]} by {_equal(using)}"
+                yield f"value {head} {_VALUES[name]} by {_equality_tactic(using)}"
                 yield f"rewrite ?{name}_{_VALUES[name]}"
             if name == "sqrt" and self._may_be(name, sp.S.Zero, exprs, at):
-                yield f"value sqrt 0 by {_equal(using)}"
+                yield f"value sqrt 0 by {_equality_tactic(using)}"
                 yield "rewrite ?sqrt_0"
             if name == "atan":
                 if self._may_be(name, sp.S.One, exprs, at):
                     yield "rewrite ?atan_1"
                 if any(expr.has(sp.Function("sqrt")(3)) for expr in exprs):
-                    yield f"value atan (sqrt 3 / 3) by {_equal(using)}"
+                    yield f"value atan (sqrt 3 / 3) by {_equality_tactic(using)}"
                     yield "rewrite ?atan_sixth"
 
     def _may_be(self, name: str, value: Expr, exprs: Sequence[Expr], at: Sequence[Mapping[Expr, Expr]]) -> bool:
@@ -219,11 +219,11 @@ class Script:
         """Yield tactics that give equal arguments of a function one text; `using` are squares of roots."""
         if has_powers(*exprs):
             powers = [head for head in self.heads(*exprs) if head.startswith("(power ")]
-            yield from (f"same {head} by {_equal(using)}" for head in powers)
+            yield from (f"same {head} by {_equality_tactic(using)}" for head in powers)
             yield "split_powers"
             yield "rewrite ?ln_1, ?Rmult_0_r, ?exp_0"
         for head in self.heads(*exprs):
-            yield f"same {head} by {_equal(using)}"
+            yield f"same {head} by {_equality_tactic(using)}"
 
     def heads(self, *exprs: Expr) -> list[str]:
         """Return the functions of formulas as they stand before their last argument, inner ones first.
@@ -246,7 +246,7 @@ def solved(using: str) -> str:
     return f"first [field; positive | field{using}; positive]" if using else "field; positive"
 
 
-def _equal(using: str) -> str:
+def _equality_tactic(using: str) -> str:
     """Return a tactic for equal arguments of functions, which may need the squares of roots."""
     return f"with_roots (field{using})" if using else "equal"
 
@@ -261,19 +261,19 @@ def unfolded(*exprs: Expr) -> str:
     return ", Rpower" if any(node.func.__name__ == "Rpower" for node in functions_of(*exprs)) else ""
 
 
-def _kept(lemmas: str, needed: Sequence[str]) -> str:
+def _kept_lemmas(lemmas: str, needed: Sequence[str]) -> str:
     """Return lemmas without the lines for parts of the library that a script does not need: (*? powers *)."""
     lines = [line.partition("  (*? ") for line in lemmas.splitlines()]
     return "\n".join(line for line, _, part in lines if not part or part.removesuffix(" *)") in needed)
 
 
-def _wrapped(line: str) -> str:
+def _wrap_line(line: str) -> str:
     """Return a line as several where it is long."""
     indent = " " * (len(line) - len(line.lstrip()) + 2)
     lines = textwrap.wrap(line, WIDTH, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
     return "\n".join(lines)
 
 
-def _in_comment(text: str) -> str:
+def _comment_text(text: str) -> str:
     """Return text that may stand in a comment of Coq."""
     return text.replace('"', "'").replace("(*", "( *").replace("*)", "* )")

@@ -33,18 +33,18 @@ def exponential(argument: Expr) -> Expr:
 # -- the words of a script ---------------------------------------------------------------------------
 
 
-def in_words(expr: Expr, speed: Expr) -> Expr:
+def rewrite_for_coq(expr: Expr, speed: Expr) -> Expr:
     """Write powers and special functions as a script has them; those of the speed that vanish at rest apart."""
     expr = expr.replace(sp.im, _inverse_tangent_integral)
     if expr.has(sp.Catalan):
         expr = expr.subs(sp.Catalan, call("Ti2", sp.S.One))
     if expr.has(sp.polylog, sp.zeta, sp.dirichlet_eta):
-        expr = _in_polylogs(expr)
+        expr = _write_by_polylogarithms(expr)
     expr = expr.replace(sp.lowergamma, _lower_gamma)
-    return without_squares(expr.replace(is_power, lambda node: _power(node, speed)))
+    return reduce_squared_roots(expr.replace(is_power, lambda node: _write_power(node, speed)))
 
 
-def without_squares(expr: Expr) -> Expr:
+def reduce_squared_roots(expr: Expr) -> Expr:
     """Write whole powers of a square root by the root itself at most."""
     root = sp.Function("sqrt")
 
@@ -67,7 +67,7 @@ def _inverse_tangent_integral(argument: Expr) -> Expr:
     return sp.atan(y) if order == 1 else call(f"Ti{order}", y)
 
 
-def _in_polylogs(expr: Expr) -> Expr:
+def _write_by_polylogarithms(expr: Expr) -> Expr:
     """Write pi^2, zeta(3) and pi^4 by the polylogarithms at -1 that they are values of."""
     at = [call(f"polylog{order}", sp.S.NegativeOne) for order in (2, 3, 4)]
     values = {
@@ -96,7 +96,7 @@ def _lower_gamma(order: Expr, z: Expr) -> Expr:
     return call("lower_gamma", k, p, sp.powdenest(z ** (1 / p), force=True))
 
 
-def _power(node: Expr, speed: Expr) -> Expr:
+def _write_power(node: Expr, speed: Expr) -> Expr:
     """Write a power by a whole power of the base and a root, or by x^p of Coq."""
     base, p = node.args
     if isinstance(base, sp.Function) and base.func.__name__ in MADE:
@@ -119,34 +119,34 @@ class Generators:
     def __init__(self, exprs: Iterable[Expr]) -> None:
         self.steps: dict[Expr, Expr] = {}
         for expr in exprs:
-            for node in _by_exponentials(expr).atoms(sp.exp):
-                for rate, monomial in monomials(without_squares(_by_roots(node.exp))):
+            for node in _write_by_exponentials(expr).atoms(sp.exp):
+                for rate, monomial in monomials(reduce_squared_roots(_write_by_roots(node.exp))):
                     known = self.steps.get(monomial)
                     self.steps[monomial] = rate if known is None else sp.sign(known) * _common(known, rate)
 
     def exponentials(self, exprs: Iterable[Expr]) -> set[Expr]:
         """Return the exponentials of formulas once hyperbolic functions are written by them."""
-        return {node for expr in exprs for node in _by_exponentials(expr).atoms(sp.exp)}
+        return {node for expr in exprs for node in _write_by_exponentials(expr).atoms(sp.exp)}
 
     def argument(self, node: Expr) -> Expr:
         """Return the argument of an exponential as `of` would leave it."""
-        return without_squares(_by_roots(node.args[0]))
+        return reduce_squared_roots(_write_by_roots(node.args[0]))
 
     def of(self, expr: Expr) -> Expr:
         """Write a formula in these exponentials, in roots without squares, and without hyperbolic functions."""
-        expr = _by_exponentials(expr)
-        return without_squares(_by_roots(expr).replace(sp.exp, self._powers))
+        expr = _write_by_exponentials(expr)
+        return reduce_squared_roots(_write_by_roots(expr).replace(sp.exp, self._powers))
 
     def _powers(self, argument: Expr) -> Expr:
         """Write an exponential as a product of whole powers of those of its steps."""
         parts = [
             (exponential(self.steps[m] * m), rate / self.steps[m])
-            for rate, m in monomials(without_squares(argument))
+            for rate, m in monomials(reduce_squared_roots(argument))
         ]
         return sp.Mul(*[base**power for base, power in parts])
 
 
-def _by_exponentials(expr: Expr) -> Expr:
+def _write_by_exponentials(expr: Expr) -> Expr:
     """Write hyperbolic functions by exponentials that do not grow."""
     expr = expr.replace(sp.tanh, lambda u: (1 - sp.exp(-2 * u)) / (1 + sp.exp(-2 * u)))
     expr = expr.replace(sp.coth, lambda u: (1 + sp.exp(-2 * u)) / (1 - sp.exp(-2 * u)))
@@ -156,7 +156,7 @@ def _by_exponentials(expr: Expr) -> Expr:
     return expr.replace(sp.sinh, lambda u: (1 - sp.exp(-2 * u)) / (2 * sp.exp(-u)))
 
 
-def _by_roots(expr: Expr) -> Expr:
+def _write_by_roots(expr: Expr) -> Expr:
     """Write each square root by that of a polynomial without squares."""
 
     def root(inside: Expr) -> Expr:
@@ -196,12 +196,12 @@ def square_free(inside: Expr) -> tuple[Expr, Expr]:
     """Return a radicand without squares, and a divisor: the root is that of the radicand, divided by it."""
     above, below = sp.fraction(sp.together(inside))
     front, radicand = sp.S.One, sp.S.One
-    for factor, power in _factors(above * below):
+    for factor, power in _factor_list(above * below):
         front, radicand = front * factor ** (power // 2), radicand * factor ** (power % 2)
     return sp.expand(radicand), below / front
 
 
-def _factors(expr: Expr) -> list[tuple[Expr, int]]:
+def _factor_list(expr: Expr) -> list[tuple[Expr, int]]:
     constant, factors = sp.factor_list(expr)
     numbers = [(constant, 1)]
     if constant.is_Integer:
@@ -245,7 +245,7 @@ def bounds_of(*exprs: Expr) -> set[Expr]:
     return {node for expr in exprs for node in expr.atoms(sp.Min, sp.Max)}
 
 
-def in_units_of_range(bound: Expr, speed: Expr) -> tuple[Expr, Expr] | None:
+def factor_out_range(bound: Expr, speed: Expr) -> tuple[Expr, Expr] | None:
     """Return a factor and the smaller of 2 V and others, whose product a bound is; None without such a form."""
     moving = [argument for argument in bound.args if argument.has(speed)]
     if not isinstance(bound, sp.Min) or len(moving) != 1:
@@ -253,16 +253,16 @@ def in_units_of_range(bound: Expr, speed: Expr) -> tuple[Expr, Expr] | None:
     factor = sp.simplify(moving[0] / (2 * speed))
     if factor.has(speed) or not factor.is_positive:
         return None
-    return factor, sp.Min(*(_over(argument, factor) for argument in bound.args))
+    return factor, sp.Min(*(_divide_extremum(argument, factor) for argument in bound.args))
 
 
-def _over(expr: Expr, factor: Expr) -> Expr:
+def _divide_extremum(expr: Expr, factor: Expr) -> Expr:
     if isinstance(expr, sp.Min | sp.Max):
-        return expr.func(*(_over(argument, factor) for argument in expr.args))
+        return expr.func(*(_divide_extremum(argument, factor) for argument in expr.args))
     return sp.simplify(expr / factor)
 
 
-def place_of(relation: Expr, speed: Expr) -> Expr:
+def place_in_condition(relation: Expr, speed: Expr) -> Expr:
     """Return the place of a condition speed < place, or speed <= place, which SymPy may turn round, or scale."""
     difference = sp.expand(relation.lts - relation.gts)
     rate = difference.coeff(speed)
@@ -272,7 +272,7 @@ def place_of(relation: Expr, speed: Expr) -> Expr:
     return place
 
 
-def by_places(expr: Expr, speed: Expr) -> Expr:
+def solve_conditions_for_speed(expr: Expr, speed: Expr) -> Expr:
     """Write the conditions of pieces as speed < place."""
     conditions = [node for node in expr.atoms(sp.core.relational.Relational) if node.has(speed)]
     return expr.xreplace({node: _ordered(node, speed) for node in conditions})
@@ -280,13 +280,13 @@ def by_places(expr: Expr, speed: Expr) -> Expr:
 
 def _ordered(relation: Expr, speed: Expr) -> Expr:
     kind = sp.StrictLessThan if isinstance(relation, sp.StrictLessThan | sp.StrictGreaterThan) else sp.LessThan
-    return kind(speed, place_of(relation, speed), evaluate=False)
+    return kind(speed, place_in_condition(relation, speed), evaluate=False)
 
 
 def places_of(expr: Expr, speed: Expr) -> list[Expr]:
     """Return the places of the pieces of an expression."""
     conditions = {holds for node in expr.atoms(sp.Piecewise) for _, holds in node.args if holds != sp.true}
-    return sorted({place_of(holds, speed) for holds in conditions}, key=str)
+    return sorted({place_in_condition(holds, speed) for holds in conditions}, key=str)
 
 
 def differs(expr: Expr, value: Expr) -> bool:
@@ -317,9 +317,9 @@ def require_regular(speed: Expr, *exprs: Expr, at_rest: bool) -> None:
                 f"a script in Coq has no power of v whose exponent {node.args[0]} may not be positive"
             )
         is_quotient = node.is_Pow and node.exp.is_Integer and node.exp.is_negative
-        if (name in ("log", "Rpower") or is_quotient) and not _is_positive(inside, speed, at_rest):
+        if (name in ("log", "Rpower") or is_quotient) and not _is_shown_positive(inside, speed, at_rest):
             raise Unsupported(f"a script in Coq cannot tell that {_shown(inside)}, in {_shown(node)}, is positive")
-        if name == "sqrt" and not (_is_positive(inside, speed, at_rest) or inside.is_nonnegative):
+        if name == "sqrt" and not (_is_shown_positive(inside, speed, at_rest) or inside.is_nonnegative):
             raise Unsupported(f"a script in Coq cannot tell that {_shown(inside)} is not negative")
 
 
@@ -335,14 +335,16 @@ def require_independent(roots: Sequence[Expr]) -> None:
             )
 
 
-def _is_positive(expr: Expr, speed: Expr, at_rest: bool) -> bool:
+def _is_shown_positive(expr: Expr, speed: Expr, at_rest: bool) -> bool:
     """Tell whether an expression is positive by its signs, from rest on, or as a quadratic with numbers."""
     if at_rest and expr.subs(speed, 0) == 0:
         return False
     if any(form.is_positive for form in (expr, sp.expand(expr))):
         return True
     if expr.is_Mul or (expr.is_Pow and expr.exp.is_Integer):
-        return all(_is_positive(factor.as_base_exp()[0], speed, at_rest) for factor in sp.Mul.make_args(expr))
+        return all(
+            _is_shown_positive(factor.as_base_exp()[0], speed, at_rest) for factor in sp.Mul.make_args(expr)
+        )
     if not expr.is_polynomial(speed) or sp.degree(expr, speed) != 2:
         return False
     a, b, c = sp.Poly(expr, speed).all_coeffs()

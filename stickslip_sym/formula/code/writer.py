@@ -48,7 +48,7 @@ def code(criteria: Mapping[str, tuple[TermSum, str]], language: str) -> str:
 
 def require_shapes(law: FrictionLaw) -> None:
     """Refuse a law whose profiles have shapes without values, for their branches cannot be written as code."""
-    missing = sorted(str(symbol) for symbol in shapes_of(law) if str(symbol) not in law.values)
+    missing = sorted(str(symbol) for symbol in shapes_in_code(law) if str(symbol) not in law.values)
     if missing:
         raise InputError(
             f"{', '.join(missing)} of the law {law.name or law.text} has no value, and code is written for "
@@ -57,12 +57,12 @@ def require_shapes(law: FrictionLaw) -> None:
         )
 
 
-def shapes_of(law: FrictionLaw) -> set[Expr]:
+def shapes_in_code(law: FrictionLaw) -> set[Expr]:
     """Return the parameters whose values code holds, as the branches are made for them."""
     return {symbol for term in law.terms for meaning in term.shapes.values() for symbol in meaning.free_symbols}
 
 
-def _settled(average: TermSum) -> tuple[list[TermFunction], set[Expr]]:
+def _settled_terms(average: TermSum) -> tuple[list[TermFunction], set[Expr]]:
     """Return the terms of a criterion, and the parameters that are numbers in them.
 
     Where the values of parameters meet, as of Max(mu_k, mu_s - a v) at mu_s = mu_k, a scale is 0 or has no value:
@@ -92,7 +92,7 @@ _SPECIAL = frozenset(row.name for row in FUNCTIONS.values() if not row.in_laws a
 """Functions that a language has, if at all, in a library that a reader of code may not have."""
 
 
-def text_of(expr: Expr, names: Mapping[Expr, str], language: Language) -> str:
+def expression_text(expr: Expr, names: Mapping[Expr, str], language: Language) -> str:
     """Return an expression in a language, by SymPy's printer; a function that the language has not is refused."""
     numbers = {node: sp.Float(float(node)) for node in expr.atoms(NumberPower)}
     functions = {type(node).__name__ for node in expr.atoms(sp.Function) - numbers.keys()}
@@ -105,7 +105,7 @@ def text_of(expr: Expr, names: Mapping[Expr, str], language: Language) -> str:
         raise InputError(f"{refusal}one of {', '.join(sorted(functions))}") from None
 
 
-def _by_elements(text: str, language: Language) -> str:
+def _elementwise(text: str, language: Language) -> str:
     """Return an expression with the operators of a language for arrays."""
     return re.sub(r"(?<!\.)([*/^])", r".\1", text) if language.elementwise else text
 
@@ -203,8 +203,8 @@ class _Writer:
         """Write a criterion: its terms, and the function that adds them up."""
         law, language = average.law, self.language
         require_shapes(law)
-        values, fixed = law.values, shapes_of(law)
-        functions, settled = _settled(average)
+        values, fixed = law.values, shapes_in_code(law)
+        functions, settled = _settled_terms(average)
         fixed |= settled
         free = {key: symbol for key, symbol in average.arguments.items() if symbol not in fixed}
         texts = {symbol: language.argument.format(i) for i, symbol in enumerate(free.values(), language.first)}
@@ -257,7 +257,7 @@ class _Writer:
             )
         language = self.language
         bases = [texts[symbols.V], texts[symbols.N], _number(term.size, language)]
-        bases += [text_of(sp.sympify(base), texts, language) for base in term.bases]
+        bases += [expression_text(sp.sympify(base), texts, language) for base in term.bases]
         ends = [*branches.starts[1:], math.inf]
         cases = [
             self._case(f"{name}_table_{i}", start, end, branch)
@@ -286,7 +286,7 @@ class _Writer:
             panels, width = branch.rows.shape
             z, g = "r", self._filled("lookup", name=name, panels=panels, width=width).strip()
             if branch.function is not None:
-                g += f"*{text_of(branch.function, {symbols.V: 'r'}, language)}"
+                g += f"*{expression_text(branch.function, {symbols.V: 'r'}, language)}"
         else:
             plain = {1.0: "r", 2.0: "r*r", -1.0: "1.0/r", -2.0: "1.0/(r*r)"}
             several = any(len(coefficients) > 1 for _, coefficients in branch.parts)
@@ -294,9 +294,9 @@ class _Writer:
             z = plain.get(branch.variable, power) if several else "r"
             g = " + ".join(
                 f"({_polynomial(coefficients, language)})"
-                + ("" if function is None else f"*({text_of(function, {symbols.V: 'r'}, language)})")
+                + ("" if function is None else f"*({expression_text(function, {symbols.V: 'r'}, language)})")
                 for function, coefficients in branch.parts
             )
         bounds = {"start": _number(start, language), "end": _number(end, language)}
-        z, g = (_by_elements(text, language) for text in (z, g))
+        z, g = (_elementwise(text, language) for text in (z, g))
         return self._filled("case", z=z, g=g, power=_number(branch.power, language), **bounds)

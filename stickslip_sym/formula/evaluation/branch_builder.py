@@ -35,10 +35,10 @@ from stickslip_sym.formula.evaluation.branches import Branch, Branches, PanelTab
 from stickslip_sym.formula.evaluation.generalised_series import (
     GeneralisedSeries,
     Powers,
+    average_near_rest,
+    common_denominator,
     expanded,
     far_out,
-    near_rest,
-    unit_of,
 )
 from stickslip_sym.formula.evaluation.reference_average import (
     BITS,
@@ -46,7 +46,7 @@ from stickslip_sym.formula.evaluation.reference_average import (
     MeanSlope,
     ReferenceAverage,
     scales_of,
-    slope_of,
+    stable_slope_of,
 )
 from stickslip_sym.formula.proof.proving import Verdict
 from stickslip_sym.model.expression.pieces import branch_from, kinks_at
@@ -201,7 +201,7 @@ class _Builder:
 
     def _at_belt(self, piece: Expr) -> Expr:
         """Return the falling slope of a piece at the belt's speed."""
-        return -elementary(slope_of(piece)).subs(symbols.v, symbols.V).xreplace(self.point)
+        return -elementary(stable_slope_of(piece)).subs(symbols.v, symbols.V).xreplace(self.point)
 
     def _with_means(self, whole: Branches) -> Branches:
         """Return branches of a slope that are the mean of both sides at each kink."""
@@ -253,7 +253,7 @@ class _Builder:
         if self.values.kinks:
             return None
         coefficients: dict[Expr, Expr] = {}
-        for term in sp.Add.make_args(sp.expand(slope_of(self.profile))):
+        for term in sp.Add.make_args(sp.expand(stable_slope_of(self.profile))):
             coefficient, power = term.as_independent(symbols.v, as_Add=False)
             base, exponent = power.as_base_exp()
             if base not in (1, symbols.v):
@@ -275,11 +275,11 @@ class _Builder:
 
     def _near_rest(self, stop: float) -> tuple[float, Branch] | None:
         """Return up to where the series at rest is F, and the branch, with an exponential if that helps."""
-        slope = slope_of(self.values.parts[0])
-        unit, best = unit_of(slope, self.point, self.criterion), None
+        slope = stable_slope_of(self.values.parts[0])
+        unit, best = common_denominator(slope, self.point, self.criterion), None
         edge = min([stop, *self.corners])
         try:
-            series = near_rest(expanded(slope, self.point, unit, far=False), self.criterion, unit)
+            series = average_near_rest(expanded(slope, self.point, unit, far=False), self.criterion, unit)
             for decay in self._decays():
                 factor = (
                     GeneralisedSeries({(0, 0): arb(1)})
@@ -303,8 +303,8 @@ class _Builder:
 
     def _far_out(self) -> tuple[float, Branch] | None:
         """Return from where the series in 1/r is F, and the branch."""
-        slope = slope_of(self.values.parts[-1])
-        unit = unit_of(slope, self.point, self.criterion)
+        slope = stable_slope_of(self.values.parts[-1])
+        unit = common_denominator(slope, self.point, self.criterion)
         try:
             series = expanded(slope, self.point, unit, far=True)
             first = math.ceil(math.log2(self.highest))
@@ -326,10 +326,10 @@ class _Builder:
             end = edge * 2.0 ** (side * half / 2)
             if end > self.highest * 2.0**_STEPS:
                 return None
-            kept = _kept(series, arb(end) ** (-side), unit, _CONDITION[side])
+            kept = _terms_that_count(series, arb(end) ** (-side), unit, _CONDITION[side])
             if kept is None:
                 continue
-            branch = _of_series(kept, unit, side, function)
+            branch = _powers_of_series(kept, unit, side, function)
             points = end * 2.0 ** (side * np.array(_OCTAVES))
             if self._agreed(branch, points) == points.size:
                 return end, branch
@@ -448,7 +448,7 @@ def _sum(power: Expr, variable: Expr, parts: Sequence[tuple[Expr | None, tuple[f
     return Sum(float(power), float(variable), tuple(parts))
 
 
-def _kept(series: GeneralisedSeries, x: arb, unit: int, condition: float) -> Powers | None:
+def _terms_that_count(series: GeneralisedSeries, x: arb, unit: int, condition: float) -> Powers | None:
     """Return the terms of a series that count at x and below it; None where it is cut too early, or cancels."""
     logarithm = x.log()
     balls = {(e, n): c * x ** (arb(e) / unit) * logarithm**n for (e, n), c in series.terms.items()}
@@ -474,7 +474,7 @@ def _kept(series: GeneralisedSeries, x: arb, unit: int, condition: float) -> Pow
     return kept if all(1 / _LARGEST < abs(float(c)) < _LARGEST for c in kept.values()) else None
 
 
-def _of_series(terms: Powers, unit: int, side: int, function: Expr | None) -> Sum:
+def _powers_of_series(terms: Powers, unit: int, side: int, function: Expr | None) -> Sum:
     """Write a series as one power of r times polynomials in another, beside powers and a logarithm if need be."""
     low = min((e for e, _ in terms), default=0)
     offsets = [e - low for e, _ in terms]

@@ -17,7 +17,7 @@ from flint import acb, arb
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.balls import ball_function, rational
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.functions import Function, elementary, fold, without_overflow
+from stickslip_sym.core.functions import Function, elementary, fold, write_erfcx
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.core.special import Erfcx
 from stickslip_sym.criteria.criterion import Criterion
@@ -119,7 +119,7 @@ _BEYOND = GeneralisedSeries({}, -math.inf)
 """What grows faster than any power."""
 
 
-def _beyond(node: Expr, parts: list[GeneralisedSeries]) -> GeneralisedSeries:
+def _expand_superpolynomial(node: Expr, parts: list[GeneralisedSeries]) -> GeneralisedSeries:
     """Return a node of what grows faster than any power: that too, or what vanishes faster than any."""
     others = [part for part in parts if part is not _BEYOND]
     if node.is_Pow and node.exp.is_negative:
@@ -141,7 +141,7 @@ class _GeneralExpansion(ExpansionAlgebra[GeneralisedSeries]):
 
     def __call__(self, node: Expr, parts: list[GeneralisedSeries]) -> GeneralisedSeries:
         if any(part is _BEYOND for part in parts):
-            return _beyond(node, parts)
+            return _expand_superpolynomial(node, parts)
         return super().__call__(node, parts)
 
     def power(self, base: GeneralisedSeries, exponent: Expr) -> GeneralisedSeries:
@@ -173,7 +173,7 @@ class _GeneralExpansion(ExpansionAlgebra[GeneralisedSeries]):
             quarter = GeneralisedSeries({(0, 0): (arb.pi() if positive else -arb.pi()) / 2})
             return quarter + self.function(known, self.power(inner, sp.S.NegativeOne)).scaled(arb(-1))
         if kind is Erfcx and positive:
-            return self.power(inner, sp.S.NegativeOne).inserted_in(_of_erfcx(_TERMS))
+            return self.power(inner, sp.S.NegativeOne).inserted_in(_erfcx_coefficients(_TERMS))
         if kind is sp.exp and positive:
             return _BEYOND
         limit = _LIMITS.get(kind, (None, None))[positive]
@@ -182,7 +182,7 @@ class _GeneralExpansion(ExpansionAlgebra[GeneralisedSeries]):
         return self.v.constant(arb(limit))
 
 
-def _of_erfcx(count: int) -> list[arb]:
+def _erfcx_coefficients(count: int) -> list[arb]:
     """Return the coefficients of erfcx far out in powers of 1/x, a series that diverges (DLMF 7.12.1)."""
     coefficients, term = [arb(0)] * (count + 1), 1 / arb.pi().sqrt()
     for k in range(1, count + 1, 2):
@@ -194,7 +194,7 @@ def _of_erfcx(count: int) -> list[arb]:
 def expanded(slope: Expr, point: Mapping[Expr, Expr], unit: int, *, far: bool) -> GeneralisedSeries:
     """Return the series of a slope at rest, or in 1/v far out; the exponents are in units of 1/`unit`."""
     try:
-        series = fold(without_overflow(elementary(slope)), _GeneralExpansion(point, unit, far))
+        series = fold(write_erfcx(elementary(slope)), _GeneralExpansion(point, unit, far))
     except (InputError, ValueError, ZeroDivisionError, OverflowError) as failure:
         raise NotAnalytic(str(failure)) from None
     if series is _BEYOND:
@@ -202,7 +202,7 @@ def expanded(slope: Expr, point: Mapping[Expr, Expr], unit: int, *, far: bool) -
     return series
 
 
-def unit_of(slope: Expr, point: Mapping[Expr, Expr], criterion: Criterion) -> int:
+def common_denominator(slope: Expr, point: Mapping[Expr, Expr], criterion: Criterion) -> int:
     """Return the common denominator of all exponents in the series of a slope and of its average."""
     exponents = [node.exp.xreplace(dict(point)) for node in slope.atoms(sp.Pow)]
     denominators = [int(exponent.q) for exponent in exponents if exponent.is_Rational]
@@ -228,7 +228,7 @@ def _means(criterion: Criterion, exponent: arb) -> tuple[arb, arb]:
         return ((low + high) / 2).mid(), ((2 * (higher - lower) - (high - low)) / (6 * _STEP)).mid()
 
 
-def near_rest(series: GeneralisedSeries, criterion: Criterion, unit: int) -> GeneralisedSeries:
+def average_near_rest(series: GeneralisedSeries, criterion: Criterion, unit: int) -> GeneralisedSeries:
     """Return F(r) = -<g'(r (1 + s))> for small r."""
     terms: Powers = {}
     for (e, n), c in series.terms.items():

@@ -23,14 +23,14 @@ from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_value, rational, series_function
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged
-from stickslip_sym.core.functions import arguments, without_squares
+from stickslip_sym.core.functions import arguments, write_sech
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import binary_fraction
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.expression.pieces import branch_from, jumps, kinks_at
 from stickslip_sym.model.expression.transitions import HIGHEST_DEGREE, complex_zeros
-from stickslip_sym.model.taylor_model import balls_from_rest, in_floats
+from stickslip_sym.model.taylor_model import balls_from_rest, coefficient_near_rest
 from stickslip_sym.numerics.chebyshev import gauss_grid
 from stickslip_sym.numerics.known import Unknown, required
 from stickslip_sym.numerics.subdivide import (
@@ -40,8 +40,8 @@ from stickslip_sym.numerics.subdivide import (
     DivisionLimits,
     Interval,
     WorkBudget,
-    boundary,
     exact_middle,
+    locate_boundary,
     shown,
     subdivide,
 )
@@ -111,8 +111,8 @@ class ReferenceAverage:
         outer = binary_fraction(float(2 * self.kinks[-1])) if self.kinks else sp.Integer(1)
         pieces = [branch_from(profile, point, place) for place in (*inner, outer)]
         first, *others = pieces
-        self.slopes = [balls_from_rest(first, point, slope=_centred(slope_of(first)))]
-        self.slopes += [ball_function(_centred(slope_of(piece)), symbols.v, point) for piece in others]
+        self.slopes = [balls_from_rest(first, point, slope=_centred(stable_slope_of(first)))]
+        self.slopes += [ball_function(_centred(stable_slope_of(piece)), symbols.v, point) for piece in others]
         self.parts = pieces
         self._series_of: dict[int, Callable[[arb_series], arb_series]] = {}
         self._jumps = [_reals(jump, point) for jump in jumps(profile, point)]
@@ -195,7 +195,7 @@ class ReferenceAverage:
             return [], []
         pieces = self._pieces_up_to(self._first, end)
         below = next(piece for piece in pieces if piece.high >= end)
-        weight, order = list(_in_powers(self.criterion)), 0 if self.criterion.is_polynomial else arb(1) / 2
+        weight, order = list(_weight_in_powers(self.criterion)), 0 if self.criterion.is_polynomial else arb(1) / 2
         moments = [below.average[j] for j in range(len(weight))]
         for place, height in self._jumps:
             if bool(place > 0):
@@ -211,7 +211,9 @@ class ReferenceAverage:
     def _series(self, x: arb) -> Callable[[arb_series], arb_series]:
         index = self._index(x)
         if index not in self._series_of:
-            self._series_of[index] = series_function(_centred(slope_of(self.parts[index])), symbols.v, self.point)
+            self._series_of[index] = series_function(
+                _centred(stable_slope_of(self.parts[index])), symbols.v, self.point
+            )
         return self._series_of[index]
 
     def _index(self, x: arb) -> int:
@@ -322,14 +324,14 @@ class ReferenceAverage:
     def _average(self, samples: Samples, end: arb) -> arb_poly:
         """Return what samples up to an end add to an average, in powers of end/r."""
         places = tuple((x / end).mid().man_exp() for x, _ in samples)
-        powers = _powers(self.criterion, places)
+        powers = _weight_terms(self.criterion, places)
         return _middles(arb_poly((powers * arb_mat([[product] for _, product in samples])).entries()))
 
     # -- what pieces add to an average ---------------------------------------------------------------
 
     def _by_polynomials(self, pieces: Sequence[_Piece], r: arb) -> arb:
         """Integrate the slope in pieces, up to 2r, times a weight that is a polynomial."""
-        weight, total = _in_powers(self.criterion), arb(0)
+        weight, total = _weight_in_powers(self.criterion), arb(0)
         for piece in pieces:
             middle, half = (piece.low + piece.high) / 2, (piece.high - piece.low) / 2
             primitive = (piece.slope * weight(arb_poly([middle / r, half / r]))).integral()
@@ -374,7 +376,7 @@ def _middles(polynomial: arb_poly) -> arb_poly:
 
 
 @lru_cache(maxsize=16)
-def _in_powers(criterion: Criterion) -> arb_poly:
+def _weight_in_powers(criterion: Criterion) -> arb_poly:
     """Return the weight in powers of p = 1 + s; one that is no polynomial over sqrt(p), for small p."""
     if criterion.is_polynomial:
         return arb_poly([arb(rational(c)) for c in reversed(criterion.from_rest.all_coeffs())])
@@ -383,23 +385,23 @@ def _in_powers(criterion: Criterion) -> arb_poly:
 
 
 @lru_cache(maxsize=256)
-def _powers(criterion: Criterion, places: tuple[_Exact, ...]) -> arb_mat:
+def _weight_terms(criterion: Criterion, places: tuple[_Exact, ...]) -> arb_mat:
     """Return the terms of the weight at some p: a row for each power of the largest one."""
     columns = [arb(place) for place in places]
     powers = [arb(1) if criterion.is_polynomial else p.sqrt() for p in columns]
     rows = []
-    for c in _in_powers(criterion):
+    for c in _weight_in_powers(criterion):
         rows.append([c * power for power in powers])
         powers = [power * p for power, p in zip(powers, columns, strict=True)]
     return arb_mat(rows)
 
 
 @lru_cache(maxsize=256)
-def slope_of(profile: Expr) -> Expr:
+def stable_slope_of(profile: Expr) -> Expr:
     """Return g', with sech(a)^2 for 1 - tanh(a)^2, which cancels."""
     if isinstance(profile, sp.Piecewise):  # SymPy would compare all places again
-        return sp.Piecewise(*((slope_of(piece), holds) for piece, holds in profile.args), evaluate=False)
-    return without_squares(sp.Add(*map(_slope_of_term, sp.Add.make_args(profile))))
+        return sp.Piecewise(*((stable_slope_of(piece), holds) for piece, holds in profile.args), evaluate=False)
+    return write_sech(sp.Add(*map(_slope_by_power_rule, sp.Add.make_args(profile))))
 
 
 def _centred(expr: Expr) -> Expr:
@@ -415,7 +417,7 @@ def _centred(expr: Expr) -> Expr:
     return expr.replace(lambda node: node.is_Add and node.is_polynomial(symbols.v), complete)
 
 
-def _slope_of_term(term: Expr) -> Expr:
+def _slope_by_power_rule(term: Expr) -> Expr:
     """Differentiate by the power rule where it applies: SymPy asks for signs, at length."""
     coefficient, rest = term.as_independent(symbols.v, as_Add=False)
     base, exponent = rest.as_base_exp()
@@ -438,10 +440,10 @@ class MeanSlope:
     def __init__(
         self, profile: Expr, criterion: Criterion, parameters: Sequence[Expr] | Mapping[Expr, Expr]
     ) -> None:
-        slope, self._local = slope_of(profile), criterion.weight is None
+        slope, self._local = stable_slope_of(profile), criterion.weight is None
         point = parameters if isinstance(parameters, Mapping) else {}
         known = profile.free_symbols <= {symbols.v, *point}
-        self._near_rest = in_floats(branch_from(profile, point, sp.S.Zero), point) if known else None
+        self._near_rest = coefficient_near_rest(branch_from(profile, point, sp.S.Zero), point) if known else None
         functions = [slope]
         if self._local:
             # At one point the rounding of r itself counts.
@@ -514,7 +516,7 @@ def _first_zero(expr: Expr, point: Mapping[Expr, Expr]) -> float:
         with np.errstate(all="ignore"):
             return bool(np.sign(function(v, *values)) == signs[first])
 
-    return boundary(is_below, float(_GRID[first]), float(_GRID[first + 1]), 0.0)[0]
+    return locate_boundary(is_below, float(_GRID[first]), float(_GRID[first + 1]), 0.0)[0]
 
 
 def _positive_zeros(expr: Expr, point: Mapping[Expr, Expr]) -> list[float] | None:
@@ -540,13 +542,13 @@ def scales_of(profile: Expr, point: Mapping[Expr, Expr]) -> tuple[float, float]:
         is_power = node.is_Pow and node.base is not sp.E
         for argument in node.args[:1] if is_power else arguments(node):
             if argument != symbols.v and argument.has(symbols.v):
-                over, under = map(_monomials, sp.fraction(sp.together(argument.xreplace(dict(point)))))
-                scales += [s for terms in (over, under, over + under) for s in _turns(terms)]
-                scales += [] if is_power or len(under) != 1 else _turns([*over, (0.0, under[0][1])])
+                over, under = map(_power_exponents, sp.fraction(sp.together(argument.xreplace(dict(point)))))
+                scales += [s for terms in (over, under, over + under) for s in _power_turns(terms)]
+                scales += [] if is_power or len(under) != 1 else _power_turns([*over, (0.0, under[0][1])])
     return min(scales), max(scales)
 
 
-def _monomials(expr: Expr) -> list[tuple[float, float]]:
+def _power_exponents(expr: Expr) -> list[tuple[float, float]]:
     """Return exponents of v and logarithms of the coefficients' sizes; nothing for what is no sum of powers."""
     parts = [term.as_coeff_exponent(symbols.v) for term in sp.Add.make_args(sp.expand(expr))]
     if any(not c.is_number or not e.is_Rational or c == 0 for c, e in parts):
@@ -554,7 +556,7 @@ def _monomials(expr: Expr) -> list[tuple[float, float]]:
     return [(float(e), float(sp.log(abs(c)).evalf())) for c, e in parts]
 
 
-def _turns(terms: list[tuple[float, float]]) -> list[float]:
+def _power_turns(terms: list[tuple[float, float]]) -> list[float]:
     """Return where two of some powers are equal and no other is larger."""
     turns = []
     for (e, a), (f, b) in combinations(terms, 2):

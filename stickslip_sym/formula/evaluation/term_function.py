@@ -31,7 +31,7 @@ CANCELLED = 4.0
 _WORTH_BRANCHES = 8  # values with the same shapes, from where their branches are made
 
 
-def _factors(expr: Expr) -> tuple[float, dict[Expr, float]]:
+def _accurate_factors(expr: Expr) -> tuple[float, dict[Expr, float]]:
     """Write a product as a number times powers of what is accurate in floats: arguments, and sums of them."""
     number: Expr = sp.Integer(1)
     powers: dict[Expr, float] = {}
@@ -73,8 +73,8 @@ class TermFunction:
 
     def __init__(self, term: Term, criterion: Criterion, arguments: Sequence[Expr]) -> None:
         self.term, self.average = term, average_of_profile(term.profile, criterion)
-        self.number, amplitude = _factors(term.amplitude / term.scale)
-        self.size, scale = _factors(term.scale)
+        self.number, amplitude = _accurate_factors(term.amplitude / term.scale)
+        self.size, scale = _accurate_factors(term.scale)
         self.bases = list(dict.fromkeys([*amplitude, *scale]))
         self.amplitude = [amplitude.get(base, 0.0) for base in self.bases]
         self.ratio = [-scale.get(base, 0.0) for base in self.bases]
@@ -147,7 +147,7 @@ class TermFunction:
             return math.nan
         branches, largest = made
         factors = [values[0], values[1], *[base(values) for base in self._base_functions]]
-        unsafe = _outside(factors, largest)
+        unsafe = _where_outside_range(factors, largest)
         if unsafe is False:
             return self._plain(branches, *factors)
         if not count:
@@ -197,7 +197,7 @@ def count_of(values: Sequence[Numbers]) -> int:
     return 0
 
 
-def _outside(values: Sequence[Numbers], largest: float) -> BoolArray | bool:
+def _where_outside_range(values: Sequence[Numbers], largest: float) -> BoolArray | bool:
     """Return where the size of a value is not between 1/largest and largest: everywhere, nowhere, or where."""
     smallest = 1 / largest
     result: BoolArray | bool = False

@@ -34,10 +34,10 @@ class TermSum:
         """The terms that vary with v, each by its branches: what is added up here, and written as code."""
         arguments = list(self.arguments.values())
         varying = [term for term in self.terms if term.profile.has(symbols.v)]
-        return [TermFunction(term, self.criterion, arguments) for term in _joined(varying)]
+        return [TermFunction(term, self.criterion, arguments) for term in _join_terms(varying)]
 
 
-def _joined(terms: Sequence[Term]) -> list[Term]:
+def _join_terms(terms: Sequence[Term]) -> list[Term]:
     """Write terms of one scale whose slopes cancel at rest, as of (1 + v) exp(-v), as one: it keeps its digits."""
     joined: list[Term] = []
     groups: dict[tuple[Expr, Expr], list[Term]] = {}

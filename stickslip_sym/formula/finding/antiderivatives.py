@@ -28,7 +28,7 @@ _HALF = sp.Rational(1, 2)
 _HIGHEST_ROOT = 6  # of u, in rational functions
 
 
-def by_parts(polynomial: Expr, iterated_integral: Callable[[int], Expr], u: Expr) -> Expr:
+def integrate_by_parts(polynomial: Expr, iterated_integral: Callable[[int], Expr], u: Expr) -> Expr:
     """Return sum_j (-1)^j polynomial^(j) ladder(j + 1), where ladder(j)' = ladder(j - 1)."""
     total, sign, j = sp.Integer(0), 1, 1
     while polynomial != 0:
@@ -52,21 +52,23 @@ def antiderivative(rest: Expr, kernel: Expr, u: Expr) -> tuple[str, Expr] | None
     return ", ".join(dict.fromkeys(names)), total
 
 
-def _integral(polynomial: Expr, u: Expr) -> Expr:
+def _integral_of_polynomial(polynomial: Expr, u: Expr) -> Expr:
     return sp.Poly(polynomial, u).integrate().as_expr()
 
 
-def _by_iterated_integrals(polynomial: Expr, node: Expr, line: list[Expr], u: Expr) -> Expr | None:
+def _integrate_repeatedly(polynomial: Expr, node: Expr, line: list[Expr], u: Expr) -> Expr | None:
     """Integrate u^n times a power of a function of a linear argument."""
     base, power = (node, 1) if isinstance(node, sp.exp) else node.as_base_exp()
     (_, *order), x, iterated_integral = base.args, sp.Dummy("x", real=True), FUNCTIONS[base.func].iterated_integral
     n = int(order[0] if order else power)
     if iterated_integral is None or (order and power != 1) or iterated_integral(x, n, 1) is None:
         return None
-    return by_parts(polynomial, lambda j: iterated_integral(x, n, j).subs(x, base.args[0]) / line[0] ** j, u)
+    return integrate_by_parts(
+        polynomial, lambda j: iterated_integral(x, n, j).subs(x, base.args[0]) / line[0] ** j, u
+    )
 
 
-def _by_parts(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
+def _product_by_parts(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     """W f^k - integral of W (f^k)', W' the polynomial, f a function whose derivative has none of its kind."""
     function, power = node.as_base_exp()
     line = coefficients(function.args[0], u)
@@ -74,9 +76,9 @@ def _by_parts(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
         # In x = a u + b, where W = 0 at x = 0: of a logarithm's power is left a polynomial times a lower one.
         x = sp.Dummy("x", positive=isinstance(function, sp.log) or None, real=True)
         inner = sp.expand(polynomial.subs(u, (x - line[1]) / line[0]) / line[0])
-        primitive: Expr | None = _by_parts(inner, function.func(x) ** power, x)
+        primitive: Expr | None = _product_by_parts(inner, function.func(x) ** power, x)
         return None if primitive is None else primitive.subs(x, function.args[0])
-    whole, slope = _integral(polynomial, u), sp.diff(function, u)
+    whole, slope = _integral_of_polynomial(polynomial, u), sp.diff(function, u)
     factor = sp.cancel(whole * slope) if slope.is_rational_function(u) else whole * slope
     left = antiderivative(power * factor * function ** (power - 1), sp.Integer(1), u)
     return None if left is None else whole * node - left[1]
@@ -105,7 +107,7 @@ def _power(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     if match is None:
         return None
     base, rate, _, p = match
-    return by_parts(polynomial, lambda j: base ** (p + j) / (sp.rf(p + 1, j) * rate**j), u)
+    return integrate_by_parts(polynomial, lambda j: base ** (p + j) / (sp.rf(p + 1, j) * rate**j), u)
 
 
 def _root(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
@@ -236,7 +238,7 @@ def _damped_wave(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
         turned = P * cosine - Q * sine if isinstance(wave, sp.cos) else P * sine + Q * cosine
         return exponential * turned / square**j
 
-    return by_parts(polynomial, ladder, u)
+    return integrate_by_parts(polynomial, ladder, u)
 
 
 def _sine_over_speed(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
@@ -247,7 +249,7 @@ def _sine_over_speed(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
         return None
     powers = sp.Poly(polynomial, u)
     higher = sp.cancel((powers - powers.nth(0)).as_expr() / u)
-    left = _by_iterated_integrals(higher, sine, line, u) if higher != 0 else sp.Integer(0)
+    left = _integrate_repeatedly(higher, sine, line, u) if higher != 0 else sp.Integer(0)
     return None if left is None else powers.nth(0) * sp.Si(sine.args[0]) + left
 
 
@@ -256,7 +258,7 @@ def _exponential_logarithm(polynomial: Expr, exponential: Expr, logarithm: Expr,
     line, inner = coefficients(exponential.args[0], u), coefficients(logarithm.args[0], u)
     if logarithm.is_Pow or len(line) != 2 or len(inner) != 2 or inner[1] == 0:
         return None
-    whole = sp.factor_terms(_by_iterated_integrals(polynomial, exponential, line, u) / exponential)
+    whole = sp.factor_terms(_integrate_repeatedly(polynomial, exponential, line, u) / exponential)
     left = _exponential_over_linear(whole, sp.diff(logarithm, u) * exponential, u)
     return None if left is None else whole * exponential * logarithm - left
 
@@ -267,7 +269,7 @@ def _exponential_of_root(polynomial: Expr, error: Expr, exponential: Expr, u: Ex
     rate = sp.expand(error.args[0] ** 2) / u
     if error.is_Pow or len(line) != 2 or rate.has(u) or not rate.is_positive:
         return None
-    whole = sp.factor_terms(_by_iterated_integrals(polynomial, exponential, line, u) / exponential)
+    whole = sp.factor_terms(_integrate_repeatedly(polynomial, exponential, line, u) / exponential)
     left = antiderivative(sp.expand(whole * exponential * sp.diff(error, u)), sp.Integer(1), u)
     return None if left is None else whole * exponential * error - left[1]
 
@@ -276,7 +278,7 @@ def _log_cosh(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     """Integrate u^n log(cosh(a u + b)) by parts: what is left is u^(n + 1) tanh(a u + b)."""
     if node.is_Pow or not isinstance(node.args[0], sp.cosh):
         return None
-    (x,), whole = node.args[0].args, _integral(polynomial, u)
+    (x,), whole = node.args[0].args, _integral_of_polynomial(polynomial, u)
     left = antiderivative(sp.expand(whole * sp.diff(x, u)) * sp.tanh(x), sp.Integer(1), u)
     return None if left is None else whole * node - left[1]
 
@@ -288,7 +290,7 @@ def _softplus(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     if node.is_Pow or len(line) != 2 or not rest.is_positive:
         return None
     z = -rest * exponential
-    return by_parts(polynomial, lambda j: -polylog(1 + j, z) / line[0] ** j, u)
+    return integrate_by_parts(polynomial, lambda j: -polylog(1 + j, z) / line[0] ** j, u)
 
 
 def _product_of_roots(polynomial: Expr, first: Expr, second: Expr, u: Expr) -> Expr | None:
@@ -351,7 +353,7 @@ def _exponential_erf(polynomial: Expr, erf: Expr, exponential: Expr, u: Expr) ->
     inner = coefficients(erf.args[0], u)
     if erf.is_Pow or len(line) != 2 or len(inner) != 2:
         return None
-    whole = sp.factor_terms(_by_iterated_integrals(polynomial, exponential, line, u) / exponential)
+    whole = sp.factor_terms(_integrate_repeatedly(polynomial, exponential, line, u) / exponential)
     exponent = sp.expand(exponential.args[0] - erf.args[0] ** 2)
     left = _gaussian(
         sp.expand(2 * inner[0] / sp.sqrt(sp.pi) * whole), sp.exp(exponent), coefficients(exponent, u), u
@@ -387,7 +389,9 @@ def _rational(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     """Integrate rational functions whose denominator splits into factors of degree 1 and 2."""
     parts = partial_fractions(polynomial * factors, u)
     fractions = [] if parts is None else [_fraction(*fraction, u) for fraction in parts[1]]
-    return None if parts is None or None in fractions else _integral(parts[0], u) + sp.Add(*fractions)
+    return (
+        None if parts is None or None in fractions else _integral_of_polynomial(parts[0], u) + sp.Add(*fractions)
+    )
 
 
 def _fraction(numerator: Expr, monic: list[Expr], power: int, u: Expr) -> Expr | None:
@@ -423,7 +427,7 @@ def _exponential_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr |
     line = coefficients(exponential.args[0], u) if isinstance(exponential, sp.exp) else []
     if parts is None or len(line) != 2 or not line[0].is_negative or any(len(base) > 2 for _, base, _ in parts[1]):
         return None
-    total = _by_iterated_integrals(parts[0], exponential, line, u) or sp.Integer(0)
+    total = _integrate_repeatedly(parts[0], exponential, line, u) or sp.Integer(0)
     for numerator, (_, shift), power in parts[1]:
         base = u + shift
         for k in range(power - 1, 0, -1):
@@ -447,7 +451,7 @@ def _logarithm_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr | N
     line = coefficients(logarithm.args[0], u) if isinstance(logarithm, sp.log) else []
     if parts is None or len(line) != 2 or any(len(base) > 2 for _, base, _ in parts[1]):
         return None
-    whole, total, start = _integral(parts[0], u), sp.Integer(0), line[1] / line[0]
+    whole, total, start = _integral_of_polynomial(parts[0], u), sp.Integer(0), line[1] / line[0]
     for numerator, (_, s), power in parts[1]:
         if power > 1:
             whole += numerator * (u + s) ** (1 - power) / (1 - power)
@@ -477,19 +481,19 @@ def _exponential_tanh(polynomial: Expr, exponential: Expr, tanh: Expr, u: Expr) 
         lerch = 2 * _HALF**j * z * Lerch(z, j, 1 + r / 2)
         return (-1 / k) ** j * exponential * (r**-j + lerch)
 
-    return by_parts(polynomial, ladder, u)
+    return integrate_by_parts(polynomial, ladder, u)
 
 
 _RULES = (
-    Rule("polynomial", (), _integral),
+    Rule("polynomial", (), _integral_of_polynomial),
     Rule("partial fractions", None, _rational),
     Rule(
         "repeated integrals",
         (tuple(kind for kind, row in FUNCTIONS.items() if row.iterated_integral),),
-        _by_iterated_integrals,
+        _integrate_repeatedly,
         degree=1,
     ),
-    Rule("integration by parts", ((sp.log, sp.atan, sp.asinh, sp.asin, sp.acos, sp.erf),), _by_parts),
+    Rule("integration by parts", ((sp.log, sp.atan, sp.asinh, sp.asin, sp.acos, sp.erf),), _product_by_parts),
     Rule("power", (sp.Pow,), _power),
     Rule("square root of a quadratic", (sp.Pow,), _root),
     Rule("Gaussian", (sp.exp,), _gaussian, degree=2),

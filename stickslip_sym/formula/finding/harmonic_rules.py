@@ -56,7 +56,7 @@ def _exponent_over_speed(part: Expr, u: Expr) -> tuple[Expr, Expr] | None:
     return (line[0], line[1]) if len(line) == 2 else None
 
 
-def _in_cosines(polynomial: Expr, u: Expr, V: Expr) -> list[Expr]:
+def _cosine_coefficients(polynomial: Expr, u: Expr, V: Expr) -> list[Expr]:
     """Return w_k with polynomial(V (1 - cos(theta))) cos(theta) = sum w_k cos(k theta)."""
     z = sp.Dummy("z")  # exp(i theta)
     cosine = (z + 1 / z) / 2
@@ -70,7 +70,7 @@ def _averages(polynomial: Expr, coefficient: Callable[[int], Expr], u: Expr, V: 
 
     coefficient(k) = (1/pi) integral_0^pi g(V (1 - cos(theta))) cos(k theta) dtheta.
     """
-    return 2 / V * sp.Add(*[w * coefficient(k) for k, w in enumerate(_in_cosines(polynomial, u, V))])
+    return 2 / V * sp.Add(*[w * coefficient(k) for k, w in enumerate(_cosine_coefficients(polynomial, u, V))])
 
 
 # -- powers and rational functions -----------------------------------------------------------------
@@ -91,13 +91,13 @@ def _rational(polynomial: Expr, factors: Expr, u: Expr, V: Expr) -> Expr | None:
     for numerator, (_, *b, c), power in parts[1]:
         A, B = sp.Poly(numerator, u).nth(1), sp.Poly(numerator, u).nth(0)
         if not b:
-            total += numerator * _over_linear(c, power, V)
+            total += numerator * _average_over_linear(c, power, V)
         else:
-            total += _over_quadratic(A, B, b[0], c, power, V)
+            total += _average_over_quadratic(A, B, b[0], c, power, V)
     return total
 
 
-def _over_linear(w: Expr, power: int, V: Expr) -> Expr:
+def _average_over_linear(w: Expr, power: int, V: Expr) -> Expr:
     """Return H[1/(u + w)^power], w > 0."""
     if power == 1:
         root = sp.sqrt(w * (w + 2 * V))
@@ -107,7 +107,7 @@ def _over_linear(w: Expr, power: int, V: Expr) -> Expr:
     return ((-1) ** power * slope / sp.factorial(power - 1)).subs(x, w)
 
 
-def _over_quadratic(A: Expr, B: Expr, b: Expr, c: Expr, power: int, V: Expr) -> Expr:
+def _average_over_quadratic(A: Expr, B: Expr, b: Expr, c: Expr, power: int, V: Expr) -> Expr:
     """Return H[(A u + B)/(u^2 + b u + c)^power]; the quadratic is positive on [0, 2 V].
 
     Everything is rational in the roots p and q of its values at 0 and 2 V, and in t = (p + q)/sqrt(2 w),
@@ -264,7 +264,9 @@ def _arctangent(polynomial: Expr, node: Expr, line: list[Expr], u: Expr, V: Expr
     # SymPy writes atan(u/w - a) as -atan(a - u/w); the arctangent is odd.
     sign = {True: sp.S.One, False: sp.S.NegativeOne}.get(line[0].is_nonnegative, line[0] / sp.Abs(line[0]))
     x, y = line[1] / line[0], 1 / (sign * line[0] if line[0].is_nonnegative is not None else sp.Abs(line[0]))
-    return sign * _of_complex_logarithm(polynomial, x, y, lambda p, q: sp.atan(p / q), lambda p, q: q, u, V)
+    return sign * _average_of_complex_logarithm(
+        polynomial, x, y, lambda p, q: sp.atan(p / q), lambda p, q: q, u, V
+    )
 
 
 def _logarithm_of_quadratic(polynomial: Expr, node: Expr, quadratic: list[Expr], u: Expr, V: Expr) -> Expr | None:
@@ -277,13 +279,13 @@ def _logarithm_of_quadratic(polynomial: Expr, node: Expr, quadratic: list[Expr],
     def mean(p: Expr, q: Expr) -> Expr:
         return sp.log(a * (p**2 + q**2) / 4)
 
-    return _of_complex_logarithm(polynomial, b / (2 * a), sp.sqrt(square), mean, lambda p, q: -2 * p, u, V)
+    return _average_of_complex_logarithm(polynomial, b / (2 * a), sp.sqrt(square), mean, lambda p, q: -2 * p, u, V)
 
 
 _Share = Callable[[Expr, Expr], Expr]
 
 
-def _of_complex_logarithm(
+def _average_of_complex_logarithm(
     polynomial: Expr, x: Expr, y: Expr, mean: _Share, share: _Share, u: Expr, V: Expr
 ) -> Expr:
     """Average by the Fourier coefficients of log(u + x + i y), y > 0: -(z + V - r)^k/(k V^k), r^2 = z (z + 2 V).
@@ -338,7 +340,7 @@ def average_of_pieces(pieces: list[Expr], ends: list[Expr], u: Expr, V: Expr) ->
             if base != u or not n.is_Integer or number == 0:
                 return None
             inverse += constant * (2 * V) ** n * (t**2 - 1) * (1 + t**2) ** (-n - 2)
-        mean, *weights = _in_cosines(polynomial, u, V)
+        mean, *weights = _cosine_coefficients(polynomial, u, V)
         # 1/u = (1 + t^2)/(2 V), cos(theta) = (t^2 - 1)/(t^2 + 1), dtheta = -2 dt/(1 + t^2), t = cot(theta/2).
         of_inverse = -2 * sp.integrate(inverse, t).subs(sp.atan(t), -theta / 2)
         primitives.append(

@@ -33,7 +33,7 @@ def first_rule(rules: Sequence[Rule], rest: Expr, kernel: Expr, u: Expr, *more: 
     """Return the name of the first rule that applies to a term times a polynomial, and its result, or None."""
     polynomial, factors = split_polynomial(rest, u)
     factors.sort(key=lambda factor: str(factor.func))
-    functions = [_function(factor) for factor in factors]
+    functions = [_function_of_power(factor) for factor in factors]
     for name, kinds, apply, degree in rules:
         given = [sp.Mul(*factors)] if kinds is None else factors
         if kinds is not None and not (len(kinds) == len(factors) and all(map(isinstance, functions, kinds))):
@@ -48,7 +48,7 @@ def first_rule(rules: Sequence[Rule], rest: Expr, kernel: Expr, u: Expr, *more: 
     return None
 
 
-def _function(factor: Expr) -> Expr:
+def _function_of_power(factor: Expr) -> Expr:
     """Return a factor, or the function of which it is a whole power."""
     base, exponent = factor.as_base_exp()
     return base if isinstance(base, sp.Function) and exponent.is_Integer and exponent > 0 else factor

@@ -42,7 +42,7 @@ def integrate_terms(mu: Expr, criterion: Criterion, *, search_too: bool, end: Ex
     - `end`: the speed at which mu ends, above all slip speeds.
     """
     parts = []
-    for rest, constant in _terms(mu).items():
+    for rest, constant in _split_profile(mu).items():
         pieces, places = pieces_of(rest)
         ends = ends_of_pieces(places, 2 * symbols.V)
         try:
@@ -60,7 +60,7 @@ def integrate_terms(mu: Expr, criterion: Criterion, *, search_too: bool, end: Ex
     return parts
 
 
-def _terms(mu: Expr) -> dict[Expr, Expr]:
+def _split_profile(mu: Expr) -> dict[Expr, Expr]:
     """Split a profile into functions of v and their constant factors; what is finite at 0 together is one."""
     terms = grouped(mu, symbols.v)
     infinite = [
@@ -96,7 +96,7 @@ def _averaged(
         if primitive is None:
             if not search_too or _is_hopeless(piece):
                 raise NothingFound(f"{search.RULE} was not asked")
-            primitive = search.RULE, search.antiderivative(piece, criterion.kernel, v)
+            primitive = search.RULE, search.search_antiderivative(piece, criterion.kernel, v)
         applied.append(primitive)
     primitives = [primitive for _, primitive in applied]
     try:

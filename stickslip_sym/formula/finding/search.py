@@ -33,7 +33,7 @@ class NothingFound(Exception):
     """Why nothing was found, in words."""
 
 
-def antiderivative(f: Expr, polynomial: Expr, x: Expr, calls: int = _CALLS) -> Expr:
+def search_antiderivative(f: Expr, polynomial: Expr, x: Expr, calls: int = _CALLS) -> Expr:
     """Return an antiderivative of f(x) polynomial(x), or raise `NothingFound`.
 
     SymPy is asked for f x^n, without the coefficients of the polynomial: with them it finds less, and some wrong.

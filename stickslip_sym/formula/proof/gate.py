@@ -18,7 +18,7 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.balls import ball, ball_value
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged
-from stickslip_sym.core.functions import without_squares
+from stickslip_sym.core.functions import write_sech
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import exact
 from stickslip_sym.core.precision import mp, refined, working_precision
@@ -67,7 +67,7 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
             continue
         try:
             expected, surely = _definition(profile, criterion, point)
-            value, too = to_ball(without_squares(closed), point, GATE_DIGITS)
+            value, too = to_ball(write_sech(closed), point, GATE_DIGITS)
         except (InputError, NotConverged):
             continue
         got = enclosure_of(value)
@@ -86,7 +86,7 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
     return Verdict(Status.ESTIMATED, evidence)
 
 
-def _at_share(profile: Expr, point: Mapping[Expr, Expr], share: Expr) -> acb:
+def _profile_at_share(profile: Expr, point: Mapping[Expr, Expr], share: Expr) -> acb:
     """Return a profile at a share of V."""
     with working_precision(_LEAST_BITS):
         return ball_value(profile, {**point, symbols.v: share * point[symbols.V]})
@@ -95,7 +95,7 @@ def _at_share(profile: Expr, point: Mapping[Expr, Expr], share: Expr) -> acb:
 def _is_real(profile: Expr, criterion: Criterion, point: Mapping[Expr, Expr]) -> bool:
     """Whether a profile is real at the lowest and at the highest slip speeds that its average needs."""
     shares = (sp.S.One,) if criterion.weight is None else (_NEARLY_AT_REST, sp.Integer(2))
-    values = [_at_share(profile, point, share) for share in shares]
+    values = [_profile_at_share(profile, point, share) for share in shares]
     return all(value.is_finite() and value.imag.contains(0) for value in values)
 
 
@@ -103,7 +103,7 @@ def _is_known(side: Enclosure, profile: Expr, point: Mapping[Expr, Expr], digits
     """Whether an enclosure says enough: to so many digits, or that the value is 0 beside g(V)/V."""
     if side.digits >= digits:
         return True
-    size = abs(complex(_at_share(profile, point, sp.S.One))) / float(point[symbols.V])
+    size = abs(complex(_profile_at_share(profile, point, sp.S.One))) / float(point[symbols.V])
     return 0 in side and side.radius <= Fraction(size) / 10**GATE_DIGITS
 
 

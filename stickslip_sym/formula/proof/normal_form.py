@@ -41,12 +41,14 @@ def normal_form(expr: Expr) -> Expr:
         lambda node: sp.atan(node.args[0].args[1] / sp.I),
     )
     expr = expr.replace(_is_logarithm, lambda node: -sp.log(1 - node.args[1]))
-    expr = expr.replace(sp.log, _of_factors)
+    expr = expr.replace(sp.log, _logarithm_of_factors)
     expr = expr.replace(
         lambda node: node.is_Pow and node.exp.is_Rational and not node.exp.is_Integer,
         lambda node: sp.factor(node.base) ** node.exp,
     )
-    expr = expr.replace(lambda node: node.is_Pow and node.base.is_Add and not node.exp.is_number, _of_primitive)
+    expr = expr.replace(
+        lambda node: node.is_Pow and node.base.is_Add and not node.exp.is_number, _power_of_primitive
+    )
     expr = _contiguous(expr)
     check_time()
     numerator = _numerator(expr.rewrite(HyperbolicFunction, sp.exp))
@@ -92,14 +94,14 @@ def _is_shifted(node: Expr, lower: Expr) -> bool:
     return {1} in shifts
 
 
-def _of_primitive(node: Expr) -> Expr:
+def _power_of_primitive(node: Expr) -> Expr:
     """Return (p/q b)^s, b a sum of whole multiples, as p^s q^(-s) b^s."""
     base, exponent = node.args
     content, primitive = base.primitive()
     return sp.Integer(content.p) ** exponent * sp.Integer(content.q) ** -exponent * primitive**exponent
 
 
-def _of_factors(argument: Expr) -> Expr:
+def _logarithm_of_factors(argument: Expr) -> Expr:
     """Return log(a u^p), u > 0 a symbol, as log(a) + p log(u)."""
     powers = {base: p for base, p in argument.as_powers_dict().items() if base.is_Symbol and base.is_nonnegative}
     rest = argument / sp.Mul(*(base**p for base, p in powers.items()))
@@ -116,14 +118,14 @@ def plain(expr: Expr) -> Expr:
     Dirichlet's eta of a number is written by Riemann's zeta, a hypergeometric function that is elementary by what
     it is, and the argument of any other in lowest terms.
     """
-    expr = expr.replace(lambda node: isinstance(node, sp.hyper), _of_series)
+    expr = expr.replace(lambda node: isinstance(node, sp.hyper), _elementary_hypergeometric)
     expr = expr.replace(
         sp.dirichlet_eta, lambda order: sp.log(2) if order == 1 else (1 - 2 ** (1 - order)) * sp.zeta(order)
     )
-    return expr.replace(lambda node: isinstance(node, sp.Min | sp.Max), _in_units)
+    return expr.replace(lambda node: isinstance(node, sp.Min | sp.Max), _factor_out_of_extremum)
 
 
-def _of_series(node: Expr) -> Expr:
+def _elementary_hypergeometric(node: Expr) -> Expr:
     """Return a hypergeometric function elementarily where it is elementary, its argument in lowest terms."""
     z = node.argument
     if z.is_rational_function() and not z.is_number:
@@ -137,11 +139,11 @@ def _of_series(node: Expr) -> Expr:
     if is_integral_of_binomial(node):
         e, p = node.bq[0] - 1, sp.Add(*node.ap) - node.bq[0] + 1
         if e.is_Integer and 0 < e <= _LONGEST and p.is_Rational and not p.is_Integer:
-            return _of_whole_order(int(e), p, z)
+            return _hypergeometric_of_whole_order(int(e), p, z)
     return sp.hyper(node.ap, node.bq, z)
 
 
-def _of_whole_order(e: int, p: Expr, z: Expr) -> Expr:
+def _hypergeometric_of_whole_order(e: int, p: Expr, z: Expr) -> Expr:
     """Return 2F1(p, e; e + 1; z) = e z^(-e) integral_0^z t^(e-1) (1 - t)^(-p) dt by powers of 1 - t."""
     powers = [sp.binomial(e - 1, k) * (-1) ** k * ((1 - z) ** (k + 1 - p) - 1) / (p - k - 1) for k in range(e)]
     return e * z**-e * sp.Add(*powers)
@@ -165,7 +167,7 @@ def factor_of_sign(expr: Expr) -> Expr:
     return sp.sign(number) * sp.expand(sp.Mul(*odd))
 
 
-def _in_units(node: Expr) -> Expr:
+def _factor_out_of_extremum(node: Expr) -> Expr:
     """Bring a positive factor out of a Min or a Max: Min(2 V/w, p/w) is Min(2 V, p)/w."""
     denominators = {sp.denom(argument) for argument in node.args if not argument.is_number}
     unit = sp.Mul(*denominators) if len(denominators) == 1 else sp.Integer(1)

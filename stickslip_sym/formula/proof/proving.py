@@ -77,9 +77,9 @@ def prove_equal(lhs: Expr, rhs: Expr, by: By | None = None, checked: Verdict | N
         obstacle = str(error)
     if checked is not None:
         # Points at which the formula has no value say nothing to a check, and are a fault of the formula.
-        refuted, *_ = _at_points((rhs,), lambda value: True)
+        refuted, *_ = _judge_at_points((rhs,), lambda value: True)
         return refuted or Verdict(checked.status, f"{checked.evidence}; {obstacle}", checked.point)
-    verdict, agreed, open_ = _at_points((lhs, rhs), _equal)
+    verdict, agreed, open_ = _judge_at_points((lhs, rhs), _judge_equal)
     if verdict is not None:
         return verdict
     obstacle += open_
@@ -94,7 +94,7 @@ def prove_positive(expr: Expr) -> Verdict:
     """Prove or refute expr > 0, from the signs of its symbols."""
     if any(form.is_positive for form in (expr, sp.factor(expr), sp.expand(expr))):
         return Verdict(Status.PROVED, "every factor is positive")
-    verdict, positive, _ = _at_points((expr,), _positive)
+    verdict, positive, _ = _judge_at_points((expr,), _judge_positive)
     if verdict is not None:
         return verdict
     if positive < _SAMPLES:
@@ -134,13 +134,13 @@ def _conditions(node: Expr) -> list[Expr]:
 # -- at points -------------------------------------------------------------------------------------
 
 
-def _at_points(sides: tuple[Expr, ...], judge: Callable[..., str | bool]) -> tuple[Verdict | None, int, str]:
+def _judge_at_points(sides: tuple[Expr, ...], judge: Callable[..., str | bool]) -> tuple[Verdict | None, int, str]:
     """Judge balls at random points; return a refutation, how many points agreed, what was in the way.
 
     `judge` says in words how the sides fail, or whether they surely hold.
     """
     holds, obstacles = 0, ""
-    for point in _points(*sides):
+    for point in _random_points(*sides):
         judged: str | bool = False
         try:
             judged = judge(*[_value(side, point) for side in sides])
@@ -155,7 +155,7 @@ def _at_points(sides: tuple[Expr, ...], judge: Callable[..., str | bool]) -> tup
     return None, holds, obstacles
 
 
-def _equal(left: acb, right: acb) -> str | bool:
+def _judge_equal(left: acb, right: acb) -> str | bool:
     if not left.overlaps(right):
         part, unit = ("imag", "i") if left.real.overlaps(right.real) else ("real", "")
         first, second = (enclosure_of(getattr(side, part)) for side in (left, right))
@@ -164,13 +164,13 @@ def _equal(left: acb, right: acb) -> str | bool:
     return bool((left - right).abs_upper() <= (size * arb(10) ** -_DIGITS).max(_NOTHING))
 
 
-def _positive(value: acb) -> str | bool:
+def _judge_positive(value: acb) -> str | bool:
     if value.real <= 0 or not value.imag.contains(0):
         return f"it is {value.str(8, radius=False)}"
     return bool(value.real > 0)
 
 
-def _points(*sides: Expr) -> list[dict[Expr, Expr]]:
+def _random_points(*sides: Expr) -> list[dict[Expr, Expr]]:
     """Draw seeded exact values for all symbols, and polynomials for all unknown functions."""
     rng = random.Random(20160428)
     # Units are atoms with a name and a positive value, like symbols.
@@ -230,7 +230,9 @@ def _value(expr: Expr, point: Mapping[Expr, Expr]) -> acb:
     integrals = {symbol: node.subs(values).doit(integrals=False) for node, symbol in outer.items()}
 
     def computed() -> acb:
-        return formula_ball(expr, {symbol: _integral(integral) for symbol, integral in integrals.items()})[0]
+        return formula_ball(expr, {symbol: _ball_of_integral(integral) for symbol, integral in integrals.items()})[
+            0
+        ]
 
     try:
         value = refined(computed, _ENOUGH, _MOST_BITS)
@@ -243,7 +245,7 @@ def _value(expr: Expr, point: Mapping[Expr, Expr]) -> acb:
     return value
 
 
-def _integral(integral: Expr) -> acb:
+def _ball_of_integral(integral: Expr) -> acb:
     """Return a ball around an integral of numbers at the working precision; not finite where Arb finds none."""
     if not isinstance(integral, sp.Integral) or integral.function.is_polynomial(*integral.variables):
         return formula_ball(integral.doit(), {})[0]

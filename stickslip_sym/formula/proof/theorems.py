@@ -20,7 +20,7 @@ By: TypeAlias = Callable[[Expr], Expr]
 """A theorem, applied to the left side of an equation, which stays equal; ValueError where it does not apply."""
 
 
-def _in_integrals_over(variable: Expr, expr: Expr, change: Callable[..., Expr]) -> Expr:
+def _replace_integrals(variable: Expr, expr: Expr, change: Callable[..., Expr]) -> Expr:
     """Replace every integral over a variable; `change` takes its integrand and its limits."""
 
     def changed(integral: Expr) -> Expr:
@@ -50,7 +50,7 @@ class ChangeOfVariable:
             low, high = (sp.expand((limit - self.image.subs(self.new, 0)) / slope) for limit in limits)
             return sp.Integral(integrand.subs(self.old, self.image) * slope, (self.new, low, high))
 
-        return _in_integrals_over(self.old, expr, substitute)
+        return _replace_integrals(self.old, expr, substitute)
 
 
 @dataclass(frozen=True)
@@ -96,11 +96,11 @@ class PieceByPiece:
 
         def evaluate(*integral: Expr) -> Expr:
             return sp.Add(*[
-                _difference(primitive, piece, self.variable, low, high, self.end)
+                _difference_of_primitive(primitive, piece, self.variable, low, high, self.end)
                 for primitive, piece, low, high in self.parts(*integral)
             ])  # fmt: skip
 
-        return _in_integrals_over(self.variable, expr, evaluate)
+        return _replace_integrals(self.variable, expr, evaluate)
 
 
 def Antiderivative(primitive: Expr, variable: Expr) -> PieceByPiece:
@@ -130,23 +130,25 @@ def _pieces(integrand: Expr, x: Expr) -> tuple[list[Expr], list[Expr]]:
     return pieces, places
 
 
-def _difference(primitive: Expr, integrand: Expr, x: Expr, low: Expr, high: Expr, end: Expr | None = None) -> Expr:
+def _difference_of_primitive(
+    primitive: Expr, integrand: Expr, x: Expr, low: Expr, high: Expr, end: Expr | None = None
+) -> Expr:
     """Return primitive(high) - primitive(low), once it is known to be the integral."""
     rest, above = sp.diff(primitive, x) - integrand, sp.Dummy(x.name, positive=True)
     if end is not None:
-        rest = _below(rest, x, end, above)
+        rest = _positive_symbol_below(rest, x, end, above)
     if not (rest.is_polynomial(x) and sp.expand(rest) == 0) and normal_form(rest) != 0:
         raise ValueError(f"{primitive} is not known to be an antiderivative of {integrand}")
     if x.is_nonnegative and not (low.is_nonnegative and high.is_nonnegative):
         raise ValueError(f"{x} is nonnegative, the limits {low} and {high} are not known to be")
     # Above a place that is positive, or 0 if the primitive has a limit there, x is positive: so log(x) is smooth.
-    smooth_above = low.is_nonnegative and is_smooth(_below(primitive, x, end, above), above)
+    smooth_above = low.is_nonnegative and is_smooth(_positive_symbol_below(primitive, x, end, above), above)
     if not ((end is None and is_smooth(primitive, x)) or smooth_above):
         raise ValueError(f"{primitive} is not known to be smooth between {low} and {high}")
     return value_at(primitive, x, high) - value_at(primitive, x, low)
 
 
-def _below(expr: Expr, x: Expr, end: Expr | None, above: Expr) -> Expr:
+def _positive_symbol_below(expr: Expr, x: Expr, end: Expr | None, above: Expr) -> Expr:
     """Write a positive symbol for x > 0, or where x is below an end the end over 1 plus the symbol."""
     if end is None:
         return expr.xreplace({x: above})
@@ -178,7 +180,8 @@ def _limit_of_term(term: Expr, x: Expr) -> Expr:
         others = [factor for factor in factors if factor.has(x) and not _vanishes_at_rest(factor, x)]
         return sp.S.Zero if all(factor.as_base_exp()[0] == x for factor in others) else sp.nan
     term = term.replace(
-        lambda node: isinstance(node, sp.erf) and _falls(node.args[0], x), lambda node: sp.S.NegativeOne
+        lambda node: isinstance(node, sp.erf) and _is_falling_logarithm(node.args[0], x),
+        lambda node: sp.S.NegativeOne,
     )
     # As of (1 - exp(-x))/x.
     term = term.replace(
@@ -234,10 +237,10 @@ def _falls_with_logarithm(factor: Expr, x: Expr) -> bool:
         y = factor.args[0] ** 2
     else:
         return False
-    return _falls(-sp.expand(y), x)
+    return _is_falling_logarithm(-sp.expand(y), x)
 
 
-def _falls(expr: Expr, x: Expr) -> bool:
+def _is_falling_logarithm(expr: Expr, x: Expr) -> bool:
     """Whether an expression is a log(x) + b, a > 0."""
     rate, rest = expr.coeff(sp.log(x)), sp.expand(expr).coeff(sp.log(x), 0)
     return bool(rate.is_positive) and not rest.has(x)

@@ -11,9 +11,9 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.functions import fold, power, without_squares
+from stickslip_sym.core.functions import fold, power, write_sech
 from stickslip_sym.core.special import Langevin
-from stickslip_sym.model.expression.pieces import joined
+from stickslip_sym.model.expression.pieces import join_kinks
 
 _MOST_EXPANDED = 6  # of a power of a sum of two terms that a rule makes
 _HIGHEST_POWER = 24  # of v that a rule makes
@@ -41,7 +41,7 @@ def canonical_form(expr: Expr) -> Expr:
     - coth(x) - 1/x is Langevin's function, one node.
     - No two kinks stand in one term.
     """
-    return joined(without_squares(fold(expr, _rebuilt)))
+    return join_kinks(write_sech(fold(expr, _rebuilt)))
 
 
 def _rebuilt(node: Expr, parts: list[Expr]) -> Expr:
@@ -51,22 +51,22 @@ def _rebuilt(node: Expr, parts: list[Expr]) -> Expr:
     if isinstance(node, sp.Piecewise):
         return node.func(*zip(parts[::2], parts[1::2], strict=True))
     if node.is_Pow and len(parts) == 2:
-        return _power(*parts)
+        return _rewrite_power(*parts)
     if isinstance(node, sp.exp):
         return _exponential(*parts)
     made = node.func(*parts)
     if isinstance(made, sp.log):
-        return _logarithm(made)
+        return _logarithm_of_sum(made)
     if made.func in _OF_LOGARITHMS:
-        return _of_logarithm(made)
+        return _rational_of_power(made)
     if made.is_Mul:
         return _product(made)
     if made.is_Add:
-        made = _with_ones(made)
-    return _without_poles(made) if made.is_Add and made.has(sp.coth) else made
+        made = _sum_squares(made)
+    return _write_langevin(made) if made.is_Add and made.has(sp.coth) else made
 
 
-def _with_ones(expr: Expr) -> Expr:
+def _sum_squares(expr: Expr) -> Expr:
     """Write a sin(x)^2 + a cos(x)^2, and a cosh(x)^2 - a sinh(x)^2, as a."""
     for squared, other, sign in ((sp.sin, sp.cos, 1), (sp.sinh, sp.cosh, -1)):
         for node in expr.atoms(squared):
@@ -77,7 +77,7 @@ def _with_ones(expr: Expr) -> Expr:
     return expr
 
 
-def _power(base: Expr, exponent: Expr) -> Expr:
+def _rewrite_power(base: Expr, exponent: Expr) -> Expr:
     if exponent.has(symbols.v):
         return sp.exp(exponent * sp.log(base)) if base.is_positive and not base.has(symbols.v) else base**exponent
     if base.func in _RECIPROCALS and exponent.is_negative:
@@ -85,7 +85,7 @@ def _power(base: Expr, exponent: Expr) -> Expr:
     if base.is_Add and exponent.is_Integer and exponent < 0:
         if exponent >= -_MOST_EXPANDED and (reciprocal := _reciprocal_of_exponentials(base)) is not None:
             return reduce(lambda a, b: sp.expand(a * b), [reciprocal] * int(-exponent))
-        if (falling := _by_what_falls(base)) is not None:
+        if (falling := _write_by_falling_exponential(base)) is not None:
             return power(falling[1], exponent) * sp.exp(exponent * falling[0].args[0])
         whole = sp.Integer(base.primitive()[0].p)
         if whole != 1:  # SymPy keeps 1/(5*(v + 1)), but takes 5*(v + 1) for 5*v + 5
@@ -109,7 +109,7 @@ def _reciprocal_of_exponentials(base: Expr) -> Expr | None:
     return (1 - sp.tanh((x + sp.log(a / b)) / 2)) / (2 * b) if y == 0 else None
 
 
-def _by_what_falls(base: Expr) -> tuple[Expr, Expr] | None:
+def _write_by_falling_exponential(base: Expr) -> tuple[Expr, Expr] | None:
     """Return a exp(x) - b, x growing with v, as exp(x) and a - b exp(-x), whose balls are small far out."""
     constant, growing = base.as_independent(sp.exp, as_Add=True)
     front, rest = growing.as_independent(sp.exp, as_Add=False)
@@ -133,7 +133,7 @@ def _exponential(argument: Expr) -> Expr:
     return sp.Mul(*factors, sp.exp(sp.Add(*rest))) if factors else sp.exp(argument)
 
 
-def _logarithm(expr: Expr) -> Expr:
+def _logarithm_of_sum(expr: Expr) -> Expr:
     """Return log(b + a/v^p) as log(1 + b v^p/a) - log(v^p) + log(a), and log(b + a exp(x)) likewise."""
     growing = _growing_exponential(expr.args[0])
     if growing is not None:
@@ -158,7 +158,7 @@ def _growing_exponential(expr: Expr) -> tuple[Expr, Expr, Expr] | None:
     return (b, a, exponential.exp) if rate.is_positive and not rate.has(symbols.v) else None
 
 
-def _of_logarithm(expr: Expr) -> Expr:
+def _rational_of_power(expr: Expr) -> Expr:
     """Return a hyperbolic function of c*log(x) as a rational one of x^c, unless no computer could expand that."""
     front, logarithm = expr.args[0].as_independent(sp.log, as_Add=False)
     if not isinstance(logarithm, sp.log) or front.has(symbols.v):
@@ -168,7 +168,7 @@ def _of_logarithm(expr: Expr) -> Expr:
     return _OF_LOGARITHMS[expr.func](power(logarithm.args[0], front))
 
 
-def _without_poles(expr: Expr) -> Expr:
+def _write_langevin(expr: Expr) -> Expr:
     """Return a sum with a L(x), L Langevin's function, which is finite at 0, for a coth(x) - a/x."""
     for node in expr.atoms(sp.coth):
         front, x = expr.coeff(node), node.args[0]

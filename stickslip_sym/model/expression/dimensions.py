@@ -41,7 +41,7 @@ def parse_unit(text: str) -> Expr:
     return unit
 
 
-def with_units(expr: Expr, units: Mapping[Expr, str]) -> Expr:
+def multiply_by_units(expr: Expr, units: Mapping[Expr, str]) -> Expr:
     """Replace each symbol in `units` by itself times its unit."""
     return expr.xreplace({symbol: symbol * parse_unit(unit) for symbol, unit in units.items()})
 

@@ -91,7 +91,7 @@ class _Letters:
     def of(self, node: Expr, *, within: bool = False) -> Expr:
         """Return a node in letters; `within` a function or a power, sums of parameters get one too."""
         if node.is_Rational:
-            return self._of_number(node, "coefficient") if _size(node) > self._largest else node
+            return self._of_number(node, "coefficient") if _size_of_rational(node) > self._largest else node
         if isinstance(node, NumberPower) or (node.is_Pow and node.base.is_Rational):
             return self._of_power_of_number(*node.args)
         if not node.args:
@@ -131,7 +131,7 @@ class _Letters:
                 parts.append((sign * letter) ** exponent)
             else:
                 parts.append(self.of(factor, within=within))
-        if _size(number) > self._largest:
+        if _size_of_rational(number) > self._largest:
             number = self._of_number(number, "rate" if has_v else "coefficient")
         return sp.Mul(number, *parts)
 
@@ -167,5 +167,5 @@ def _is_over_decimal(number: Expr) -> bool:
     return not decimal(number, least=2) and bool(decimal(1 / number, least=2))
 
 
-def _size(number: Expr) -> int:
+def _size_of_rational(number: Expr) -> int:
     return max(abs(int(number.p)), int(number.q))

@@ -22,10 +22,10 @@ import sympy as sp
 
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.functions import CONSTANTS, in_laws, power
+from stickslip_sym.core.functions import CONSTANTS, functions_in_laws, power
 from stickslip_sym.core.names import suggestion
-from stickslip_sym.core.numbers import bits, within
-from stickslip_sym.model.expression.pieces import Bound, bound_of, in_pieces, larger, sign, smaller
+from stickslip_sym.core.numbers import bits, is_within
+from stickslip_sym.model.expression.pieces import Bound, bound_of, larger, piecewise_law, sign, smaller
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 """What a name looks like: ASCII letters, digits and underscores, at most 40."""
@@ -114,7 +114,18 @@ _NOT_FINITE = frozenset({sp.zoo, sp.nan, sp.oo, -sp.oo})
 def taken() -> set[str]:
     """Return the names of functions and constants, which no parameter may have."""
     constants = [constant.name for constant in CONSTANTS.values() if constant.in_laws]
-    return {*in_laws(), "sqrt", "erfc", "re", "sinc", "Piecewise", *KINKED, *_ALIASES, *_INSTEAD, *constants}
+    return {
+        *functions_in_laws(),
+        "sqrt",
+        "erfc",
+        "re",
+        "sinc",
+        "Piecewise",
+        *KINKED,
+        *_ALIASES,
+        *_INSTEAD,
+        *constants,
+    }
 
 
 def parse_expression(text: str, symbol: Callable[[str], Expr], described: Container[str] = ()) -> Expr:
@@ -169,7 +180,7 @@ def _tokens(text: str) -> list[_Token]:
         elif match["fraction"]:
             tokens.append(_Token("fraction", word, position))
         elif match["name"]:
-            tokens.append(_Token("name", _name(text, position, word), position))
+            tokens.append(_Token("name", _read_name(text, position, word), position))
         elif match["blank"] is None:
             sign = _SIGNS.get(word, word)
             if sign not in _PLAIN:
@@ -202,7 +213,7 @@ def _number_and_name(text: str, match: re.Match[str]) -> list[_Token]:
     return [_Token("number", number, position), *name]
 
 
-def _name(text: str, position: int, word: str) -> str:
+def _read_name(text: str, position: int, word: str) -> str:
     """Return a name with its Greek letters spelled out, and a function's in small letters as it is known."""
     plain, _, index = word.partition("_")
     letters = _COMMAND.sub("", plain).removeprefix("\\")
@@ -245,7 +256,7 @@ class _Parser:
         self.place = self.depth = self.kinks = self.bars = 0
         self.functions: dict[str, Callable[..., Expr]] = {
             "sinc": lambda x: sp.sin(x) / x,
-            **{name: function.kind for name, function in in_laws().items()},
+            **{name: function.kind for name, function in functions_in_laws().items()},
             "erfc": lambda x: 1 - sp.erf(x), "sqrt": sp.sqrt, "re": lambda x: x, **KINKED,
         }  # fmt: skip
         self.known = [*self.functions, "Piecewise"]
@@ -457,7 +468,7 @@ class _Parser:
         if name == "sqrt":
             return self._checked(token, self._power(token, argument, sp.S.Half))
         # A tower such as exp(exp(exp(exp(9)))) is short to write, and no computer holds its value.
-        if argument.is_number and name not in ("log", "ln") and not within(argument, _MAX_ARGUMENT):
+        if argument.is_number and name not in ("log", "ln") and not is_within(argument, _MAX_ARGUMENT):
             self.fail(token, f"a number in {name}(...) is real and at most {_MAX_ARGUMENT} in size")
         return self._checked(token, self.functions[name](argument))
 
@@ -483,7 +494,7 @@ class _Parser:
         if not any(end is None or (bound.place == end.place and bound.side != end.side) for _, bound in bounds):
             self.fail(place, f"{_PIECEWISE}; the last one may end in True")
         with self.pointing_at(token):
-            return in_pieces(bounds, last)
+            return piecewise_law(bounds, last)
 
     def _piece(self) -> tuple[_Token, Expr, Bound | None]:
         """Return where a piece stands, its formula, and where that holds; None is everywhere."""
@@ -523,7 +534,7 @@ class _Parser:
             self.fail(token, f"Abs, Min, Max and Piecewise have more than {_MAX_KINKS} arguments in all")
 
     def _power(self, token: _Token, base: Expr, exponent: Expr) -> Expr:
-        if exponent.is_number and not within(exponent, _MAX_EXPONENT):
+        if exponent.is_number and not is_within(exponent, _MAX_EXPONENT):
             self.fail(token, f"a numeric exponent is real and at most {_MAX_EXPONENT} in size")
         if base == 0 and exponent.is_number and exponent.is_negative:
             self.fail(token, "division by zero")

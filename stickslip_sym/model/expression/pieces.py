@@ -13,7 +13,7 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.balls import chosen, place_at
+from stickslip_sym.core.balls import place_at, resolve_kinks
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import power, row
 from stickslip_sym.core.remedies import Argument
@@ -39,29 +39,29 @@ def place_of(relation: Expr) -> Expr:
     return relation.gts if relation.lts == symbols.v else -relation.lts
 
 
-def _end(holds: Expr) -> Expr | None:
+def _end_of_condition(holds: Expr) -> Expr | None:
     """Return the place of a condition v < place; None where it is always true."""
     # SymPy joins the conditions of pieces that became equal by Or.
     return None if holds == sp.true else sp.Max(*map(place_of, holds.atoms(*RELATIONS)))
 
 
-def _ends(node: Expr) -> Cases:
+def _branches_and_ends(node: Expr) -> Cases:
     """Return the branches of a Piecewise, and where each ends."""
-    return [(branch, _end(holds)) for branch, holds in node.args]
+    return [(branch, _end_of_condition(holds)) for branch, holds in node.args]
 
 
-def _cases(expr: Expr) -> Cases:
+def _smooth_cases(expr: Expr) -> Cases:
     """Return the smooth pieces of an expression with any number of kinks."""
     if not (nodes := kinked(expr)):
         return [(expr, None)]
-    return _smooth([(expr.xreplace({nodes[0]: branch}), end) for branch, end in _ends(nodes[0])])
+    return _smooth([(expr.xreplace({nodes[0]: branch}), end) for branch, end in _branches_and_ends(nodes[0])])
 
 
 def _smooth(cases: Cases) -> Cases:
     """Return pieces without kinks, and none that is empty; those of a piece hold up to its place."""
     smooth: Cases = []
     for piece, end in cases:
-        for branch, inner in _cases(piece):
+        for branch, inner in _smooth_cases(piece):
             ends = [one for one in (end, inner) if one is not None]
             place, before = reduce(smaller, ends) if ends else None, smooth[-1][1] if smooth else sp.S.Zero
             is_empty = before is None or (place is not None and (place - before).is_nonpositive)
@@ -92,26 +92,28 @@ def piecewise(cases: Cases) -> Expr:
         raise InputError("the places of a Piecewise are real numbers") from None
 
 
-def joined(expr: Expr) -> Expr:
+def join_kinks(expr: Expr) -> Expr:
     """Return an expression in which no two kinks stand in one term: their pieces are multiplied out."""
     if len(kinked(expr)) < 2:
         return expr
-    return sp.Add(*map(joined, expr.args)) if expr.is_Add else piecewise(_cases(expr))
+    return sp.Add(*map(join_kinks, expr.args)) if expr.is_Add else piecewise(_smooth_cases(expr))
 
 
 def pieces_of(term: Expr) -> tuple[list[Expr], list[Expr]]:
     """Return the smooth pieces of a term, and the places between them."""
-    pieces, ends = zip(*_cases(term), strict=True)
+    pieces, ends = zip(*_smooth_cases(term), strict=True)
     return list(pieces), list(ends[:-1])
 
 
 @lru_cache(maxsize=256)  # laws with other values share them
 def places(expr: Expr) -> tuple[Expr, ...]:
     """Return the places of all kinks and jumps in an expression, as they stand there."""
-    return tuple(dict.fromkeys(end for node in kinked(expr) for _, end in _ends(node) if end is not None))
+    return tuple(
+        dict.fromkeys(end for node in kinked(expr) for _, end in _branches_and_ends(node) if end is not None)
+    )
 
 
-def with_means(slope: Expr) -> Expr:
+def mean_slope_at_kinks(slope: Expr) -> Expr:
     """Return a slope that is the mean of both sides at each of its kinks: small motions decay with it."""
 
     def with_mean(term: Expr) -> Expr:
@@ -158,7 +160,7 @@ def jumps(expr: Expr, point: Mapping[Expr, Expr]) -> list[tuple[Expr, Expr]]:
 
     Both are formulas, of the pieces that meet there at the values of the parameters.
     """
-    formulas = {place_at(place, point): chosen(place, point) for place in places(expr)}
+    formulas = {place_at(place, point): resolve_kinks(place, point) for place in places(expr)}
     heights: list[tuple[Expr, Expr]] = []
     left = branch_from(expr, point, sp.Integer(0))
     for speed in kinks_at(expr, point):
@@ -182,7 +184,7 @@ def branch_from(expr: Expr, values: Mapping[Expr, Expr], start: Expr) -> Expr:
     `values` are those of the parameters, whose symbols stay. Conditions read v < place, so the piece that holds at
     the speed holds above.
     """
-    return chosen(expr, {**values, symbols.v: start}) if expr.has(sp.Piecewise) else expr
+    return resolve_kinks(expr, {**values, symbols.v: start}) if expr.has(sp.Piecewise) else expr
 
 
 # -- conditions ------------------------------------------------------------------------------------
@@ -205,7 +207,7 @@ def bound_of(left: Expr, relation: str, right: Expr) -> Bound | None:
     return None
 
 
-def in_pieces(branches: Sequence[tuple[Expr, Bound]], last: Expr) -> Expr:
+def piecewise_law(branches: Sequence[tuple[Expr, Bound]], last: Expr) -> Expr:
     """Return the law that is the first piece whose bound holds, else `last`."""
     if any(bound.place.is_zero and bound.strict == (bound.side == ">") for _, bound in branches):
         raise InputError(
@@ -250,7 +252,7 @@ def _select(above: Expr, below: Expr, difference: Expr, constant: type[Expr]) ->
     """Return `above` where a difference is positive, else `below`; `constant` selects where v has no part."""
     three = sp.Tuple(above, below, difference)
     if kinked(three):
-        return piecewise([(_select(a, b, gap, constant), place) for (a, b, gap), place in _cases(three)])
+        return piecewise([(_select(a, b, gap, constant), place) for (a, b, gap), place in _smooth_cases(three)])
     if difference.is_nonnegative or difference.is_nonpositive:
         return above if difference.is_nonnegative else below
     # Expanding could take very long; a difference that is linear has a slope without v as it stands.
@@ -267,7 +269,7 @@ def _select(above: Expr, below: Expr, difference: Expr, constant: type[Expr]) ->
             return piecewise([(below, place), (above, None)])
         if slope.is_negative:
             return piecewise([(above, place), (below, None)])
-    elif (simpler := _of_same_sign(difference)) is not None:
+    elif (simpler := _simplify_same_sign(difference)) is not None:
         return _select(above, below, simpler, constant)
     raise InputError(
         "Abs, Min, Max and sign need arguments that differ by a linear function of v, by A*v^p + B, or by such a "
@@ -276,7 +278,7 @@ def _select(above: Expr, below: Expr, difference: Expr, constant: type[Expr]) ->
     )
 
 
-def _of_same_sign(expr: Expr) -> Expr | None:
+def _simplify_same_sign(expr: Expr) -> Expr | None:
     """Return a simpler expression of the sign of A*f + B, f = v^p or a rising function, or of a quotient."""
     offset, rest = expr.as_independent(symbols.v, as_Add=True)
     factor, function = rest.as_independent(symbols.v, as_Add=False)

@@ -72,12 +72,12 @@ def as_text(formula: object) -> str:
         if symbol.name != "v":
             Parameter(symbol.name)
     try:
-        return text(expr.xreplace({number: _decimal(number) for number in expr.atoms(sp.Float)}))
+        return text(expr.xreplace({number: _shortest_decimal(number) for number in expr.atoms(sp.Float)}))
     except ValueError:  # Python prints no integer of over 4300 digits
         raise InputError("a number in the formula has too many digits") from None
 
 
-def _decimal(number: Expr) -> Expr:
+def _shortest_decimal(number: Expr) -> Expr:
     """Return a SymPy Float as the shortest decimal that is read as it; a longer one than a double as it stands."""
     return sp.Rational(repr(float(number))) if number._prec <= sys.float_info.mant_dig else sp.Rational(number)
 
@@ -129,7 +129,7 @@ def _check_value(expr: Expr) -> None:
             )
     if fold(expr, _nested) > _MAX_FUNCTIONS:
         raise InputError(f"more than {_MAX_FUNCTIONS} functions stand in each other; write a simpler formula")
-    if fold(expr, _terms) > _MAX_TERMS:
+    if fold(expr, _bound_of_terms) > _MAX_TERMS:
         raise InputError(
             f"the formula has over {_MAX_TERMS} terms when its products are multiplied out; shorten it"
         )
@@ -140,7 +140,7 @@ def _nested(node: Expr, parts: list[int]) -> int:
     return max(parts, default=0) + (row(node) is not None)
 
 
-def _terms(node: Expr, parts: list[int]) -> int:
+def _bound_of_terms(node: Expr, parts: list[int]) -> int:
     """Return a bound on the number of terms after expansion."""
     if node.is_Add:
         return sum(parts)

@@ -6,7 +6,7 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
-from stickslip_sym.core.functions import without_squares
+from stickslip_sym.core.functions import write_sech
 
 
 @lru_cache(maxsize=256)  # laws with other values share it
@@ -15,7 +15,7 @@ def slope_of(mu: Expr) -> Expr:
 
     As the quotient rule gives it, its two terms cancel at high speeds.
     """
-    return without_squares(sp.Add(*map(_slope_of_term, sp.Add.make_args(mu))))
+    return write_sech(sp.Add(*map(_slope_of_term, sp.Add.make_args(mu))))
 
 
 def _slope_of_term(term: Expr) -> Expr:

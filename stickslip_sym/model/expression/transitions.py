@@ -64,23 +64,23 @@ def transitions(expr: Expr, point: Mapping[Expr, Expr]) -> list[Transition]:
                 if 0 < power * max(polynomials[0].degree(), 1) <= HIGHEST_DEGREE:
                     return _Argument(polynomials[0] ** power, True in kinds)
         if not node.has(symbols.v):
-            constant = _constant(node, point)
+            constant = _constant_polynomial(node, point)
             return None if constant is None else _Argument(constant)
         if node.is_Add and len(arguments) == len(parts) - 1 and not kinds:
             moving, rest = node.args[parts.index(None)], reduce(add, (part.polynomial for part in arguments))
             factor, function = moving.as_independent(symbols.v, as_Add=False)
-            weight = _constant(factor, point)
+            weight = _constant_polynomial(factor, point)
             if function in exponents and weight and rest:
                 level = math.log(abs(float(rest[0] / weight[0])))
-                quick.extend(_of_argument(exponents[function] - fmpq(*level.as_integer_ratio())))
+                quick.extend(_argument_transitions(exponents[function] - fmpq(*level.as_integer_ratio())))
         elif (node.is_Pow and len(parts) == 2) or isinstance(node, sp.log):
             base = parts[0]
             if base is not None:
-                quick.extend(_in_speed(_of_base(base.polynomial), base.of_logarithm))
-            return _logarithm(node, point)
+                quick.extend(_speed_transitions(_base_transitions(base.polynomial), base.of_logarithm))
+            return _logarithm_of_power(node, point)
         elif row(node) is not None:
             for part in arguments:
-                quick.extend(_in_speed(_of_argument(part.polynomial), part.of_logarithm))
+                quick.extend(_speed_transitions(_argument_transitions(part.polynomial), part.of_logarithm))
             if isinstance(node, sp.exp) and arguments and not arguments[0].of_logarithm:
                 exponents[node] = arguments[0].polynomial
         return None
@@ -89,7 +89,7 @@ def transitions(expr: Expr, point: Mapping[Expr, Expr]) -> list[Transition]:
     return [change for change in dict.fromkeys(quick) if 0 < change.speed < math.inf]
 
 
-def _constant(node: Expr, point: Mapping[Expr, Expr]) -> fmpq_poly | None:
+def _constant_polynomial(node: Expr, point: Mapping[Expr, Expr]) -> fmpq_poly | None:
     """Return a number as a polynomial; None where it has no finite real value."""
     value = number_at(node, point)
     if not value.is_finite:
@@ -97,19 +97,19 @@ def _constant(node: Expr, point: Mapping[Expr, Expr]) -> fmpq_poly | None:
     return fmpq_poly([rational(value if value.is_Rational else sp.Rational(value.n(_DIGITS)))])
 
 
-def _logarithm(node: Expr, point: Mapping[Expr, Expr]) -> _Argument | None:
+def _logarithm_of_power(node: Expr, point: Mapping[Expr, Expr]) -> _Argument | None:
     """Return the logarithm of a power of v, with a factor, as a polynomial in log(v); None for all else."""
     if not isinstance(node, sp.log):
         return None
     factor, moving = node.args[0].as_independent(symbols.v, as_Add=False)
     base, exponent = moving.as_base_exp()
-    constants = [_constant(number, point) for number in (sp.log(factor), exponent)]
+    constants = [_constant_polynomial(number, point) for number in (sp.log(factor), exponent)]
     if base != symbols.v or None in constants:
         return None
     return _Argument(fmpq_poly([constant[0] for constant in constants if constant is not None]), True)
 
 
-def _in_speed(changes: Iterator[Transition], of_logarithm: bool) -> Iterator[Transition]:
+def _speed_transitions(changes: Iterator[Transition], of_logarithm: bool) -> Iterator[Transition]:
     """Yield changes at slip speeds, where they are those of a function of log(v) perhaps."""
     for place, width in changes:
         if not of_logarithm:
@@ -124,12 +124,12 @@ def complex_zeros(polynomial: fmpq_poly) -> list[complex]:
     return [complex(float(zero.real), float(zero.imag)) for zero, _ in pairs]
 
 
-def _of_base(base: fmpq_poly) -> Iterator[Transition]:
+def _base_transitions(base: fmpq_poly) -> Iterator[Transition]:
     """Yield the changes of a power or a logarithm."""
     yield from (Transition(zero.real, abs(zero.imag)) for zero in complex_zeros(base))
 
 
-def _of_argument(argument: fmpq_poly) -> Iterator[Transition]:
+def _argument_transitions(argument: fmpq_poly) -> Iterator[Transition]:
     """Yield the changes of a function: its width is the distance over which the argument changes by 1."""
     slope = argument.derivative()
     derivatives = [slope]

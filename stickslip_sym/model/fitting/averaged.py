@@ -130,7 +130,7 @@ class Averaged(TableResult):
         error = float(np.hypot(row.of_point, standard_error))
 
         def above(missing: float) -> float:
-            return _above(row.value - missing - value, row.of_fit, self.dof, error)
+            return _probability_above(row.value - missing - value, row.of_fit, self.dof, error)
 
         if row.unmeasured <= 0:
             return above(0.0)
@@ -177,7 +177,7 @@ class Averaged(TableResult):
         return np.array([row.weight for row in self.rows])
 
 
-def _above(distance: float, scale: float, dof: float, error: float) -> float:
+def _probability_above(distance: float, scale: float, dof: float, error: float) -> float:
     """Return the probability of distance + scale t + error z > 0, with t Student's and z normal.
 
     The narrower of the two is averaged over: degrees of freedom by Welch and Satterthwaite are too many where t

@@ -115,7 +115,7 @@ def fit(
     else:
         measured = Measurements.of(v, mu, sigma)
     with report_counts_to(progress), np.errstate(**_USUAL):
-        return _fits(_laws(laws), measured)
+        return _fits(_laws_to_fit(laws), measured)
 
 
 def _fits(chosen: dict[str, FrictionLaw], measured: Measurements) -> Fits:
@@ -133,7 +133,7 @@ def _fits(chosen: dict[str, FrictionLaw], measured: Measurements) -> Fits:
     return Fits(fits, measured, {name: str(error) for name, error in rejected.items()})
 
 
-def _laws(given: str | FrictionLaw | Iterable[str | FrictionLaw] | None) -> dict[str, FrictionLaw]:
+def _laws_to_fit(given: str | FrictionLaw | Iterable[str | FrictionLaw] | None) -> dict[str, FrictionLaw]:
     """Return the laws to fit, each by its name or its formula."""
     if given is None:
         return dict(catalogue)
@@ -168,14 +168,14 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
     if len(measured.speeds) < k or count <= settled:
         rows = f"{count} rows at {len(measured.speeds)} speed{'s' * (len(measured.speeds) != 1)}"
         raise InputError(f"it has {k} free parameter{'s' * (k > 1)}, and {rows} are too few")
-    best, rivals = _best(problem)
+    best, rivals = _best_minimum(problem)
     if best is None:
         raise InputError(
             "no start converged: its values run away without an end; fix one of them, or take a simpler law"
         )
     p, chi_squared = best.p[_order(law, problem, best.p)], best.chi_squared
     values = dict(zip(names, p.tolist(), strict=True))
-    jumps = _jumps(problem, p)
+    jumps = _places_of_jumps(problem, p)
     smooth = np.array([name not in jumps for name in names])
     derivatives, place = problem.jacobian(p)[:, smooth], np.flatnonzero(smooth)
     sizes = np.linalg.norm(derivatives, axis=0)
@@ -218,13 +218,13 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
         alike = np.abs(covariance[i]) > _ALIKE * errors[i] * errors
         raise _undetermined(names, np.flatnonzero(alike), p / np.maximum(errors, np.finfo(float).tiny))
     warned = [*_warnings(problem, p, covariance, noise, chi_squared), *_rivals(fitted, rivals)]
-    warned += _of_rest(law.bind(**values), measured)
+    warned += _notes_on_rest(law.bind(**values), measured)
     if not noise.lag:  # slow noise follows the speed too
         warned += _lack_of_fit(problem, p, derivatives)
     return replace(fitted, jump_intervals=intervals, warnings=tuple(warned))
 
 
-def _best(problem: Problem) -> tuple[Minimum | None, list[tuple[int, Minimum]]]:
+def _best_minimum(problem: Problem) -> tuple[Minimum | None, list[tuple[int, Minimum]]]:
     """Return the least of the minima that several starts lead to, and other minima in a place or a frequency.
 
     Those of many rows are sought for means of bins.
@@ -248,7 +248,7 @@ def _best(problem: Problem) -> tuple[Minimum | None, list[tuple[int, Minimum]]]:
     return best, rivals
 
 
-def _jumps(problem: Problem, p: FloatArray) -> tuple[str, ...]:
+def _places_of_jumps(problem: Problem, p: FloatArray) -> tuple[str, ...]:
     """Return the parameters that are places of jumps of mu, which no derivative sees."""
     law = problem.law.bind(**dict(zip(problem.names, p.tolist(), strict=True)))
     names = []
@@ -350,7 +350,7 @@ def _undetermined(names: tuple[str, ...], which: IntArray, strength: FloatArray)
     return InputError(f"these measurements do not tell {mixed} apart; fix one: ", ParameterValues.of(weakest))
 
 
-def _of_rest(law: FrictionLaw, measured: Measurements) -> Iterator[str]:
+def _notes_on_rest(law: FrictionLaw, measured: Measurements) -> Iterator[str]:
     """Yield that rows at rest reach a coefficient above that of the first slip, if they do."""
     if measured.static_at_least is None or law.static is not None:
         return

@@ -18,7 +18,7 @@ from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.core.names import lookup
 from stickslip_sym.core.numbers import read_array, real
-from stickslip_sym.core.uncertain import with_error
+from stickslip_sym.core.uncertain import text_with_error
 from stickslip_sym.model.error_band import error_band
 from stickslip_sym.model.fitting.averaged import Averaged, ByLaw
 from stickslip_sym.model.fitting.least_squares import Problem
@@ -257,7 +257,9 @@ class Fit(_Report, DataResult, by_identity=True):
     def values_in_words(self) -> str:
         """The fitted parameters with their standard errors, in a line."""
         pairs = zip(self.values.items(), self.standard_errors.values(), strict=True)
-        return ", ".join(f"{name} = {with_error(value, error).replace(' ', '')}" for (name, value), error in pairs)
+        return ", ".join(
+            f"{name} = {text_with_error(value, error).replace(' ', '')}" for (name, value), error in pairs
+        )
 
 
 class Fits(_Report, Sequence[Fit], TableResult):

@@ -69,14 +69,14 @@ _SCALED = re.compile(
 _INVERSE = re.compile(r"[ *.·]?(\w+?)(?:\^|\*\*)?[-−]1$")
 
 
-def _power(match: re.Match[str]) -> str:
+def _plain_power(match: re.Match[str]) -> str:
     """Return a power in small raised digits as ^-1."""
     return "^" + match[0].replace("⁻", "-").translate(str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789"))
 
 
 def read_unit(text: str) -> Unit | None:
     """Return the unit that a text names, like ``mm/s``, ``mm s^-1``, ``mm·s⁻¹`` or ``rpm``; None if not known."""
-    text = " ".join(_SUPERSCRIPT.sub(_power, text.replace("\N{MICRO SIGN}", "μ")).split())
+    text = " ".join(_SUPERSCRIPT.sub(_plain_power, text.replace("\N{MICRO SIGN}", "μ")).split())
     text = re.sub(r"^([^\W_]+)(?:_per_|_| per )([^\W_]+)$", r"\1/\2", text)  # mm_s
     if power := _POWER_OF_TEN.fullmatch(text):
         unit = read_unit(power["unit"])
@@ -133,17 +133,17 @@ _BRACKETS = re.compile(r"(?P<name>.*?)\s*/?\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<
 _SPLITS = re.compile(r"\s+in\s+|\s*/\s*|\s*,\s*|\s+|_")
 
 
-def _words(name: str) -> list[str]:
+def _name_words(name: str) -> list[str]:
     return [word for word in _BREAKS.split(name.lower().translate(_GREEK)) if word and word not in _QUALIFIERS]
 
 
 def _plain(name: str) -> str:
-    return "".join(_words(name))
+    return "".join(_name_words(name))
 
 
 def _meanings(name: str) -> tuple[str, ...]:
     """Return what a name may mean; two names of one quantity, like friction coefficient mu, mean it too."""
-    words = _words(name)
+    words = _name_words(name)
     for i in range(len(words)):
         parts = ["".join(part) for part in (words[:i], words[i:]) if part]
         senses = {next((kind for form, kind in _WORDS.items() if re.fullmatch(form, part)), ()) for part in parts}
@@ -254,10 +254,10 @@ def choose_columns(
     """
     read = [HeaderColumn.read(cell, number) for number, cell in enumerate(cells, 1)]
     headers = [replace(header, meanings=()) if header.number in copies else header for header in read]
-    headers = _of_slip_alone(headers)
+    headers = _keep_slip_alone(headers)
     for quantity, text in chosen.items():
         headers = _chosen(headers, where, quantity, str(text).strip(), copies)
-    headers = _without_spreads_of_speed(headers, chosen)
+    headers = _drop_spreads_of_speed(headers, chosen)
     if forces := [quantity for quantity in _FORCES if quantity in chosen]:
         if "mu" in chosen:
             raise InputError(f"mu and {forces[0]} are chosen; choose mu, or the forces that it is the ratio of")
@@ -292,9 +292,7 @@ def choose_columns(
     return {quantity: columns[quantity] for quantity in KINDS if quantity in columns}
 
 
-def _without_spreads_of_speed(
-    headers: Sequence[HeaderColumn], chosen: Mapping[str, str | int]
-) -> list[HeaderColumn]:
+def _drop_spreads_of_speed(headers: Sequence[HeaderColumn], chosen: Mapping[str, str | int]) -> list[HeaderColumn]:
     """Return the columns without a deviation just behind the speed, as in v,std,mu: it is that of the speed."""
     kept = list(headers[:1])
     for before, header in pairwise(headers):
@@ -306,7 +304,7 @@ def _without_spreads_of_speed(
     return kept
 
 
-def _of_slip_alone(headers: Sequence[HeaderColumn]) -> list[HeaderColumn]:
+def _keep_slip_alone(headers: Sequence[HeaderColumn]) -> list[HeaderColumn]:
     """Return the columns with one named a slip speed as the only speed, as beside those of two bodies."""
     speeds = [header for header in headers if header.meanings == ("v",)]
     slip = [header for header in speeds if _OF_SLIP.search(header.name)]

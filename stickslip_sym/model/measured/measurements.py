@@ -16,7 +16,7 @@ from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import Number, fraction, read_array, real, require_type
 from stickslip_sym.core.remedies import Argument
-from stickslip_sym.core.units import has_no_unit, without_unit
+from stickslip_sym.core.units import has_no_unit, strip_unit
 from stickslip_sym.model.measured.blocks import Block, refuse_contradiction
 from stickslip_sym.model.measured.heavy_tails import have_heavy_tails, huber_weights
 from stickslip_sym.model.measured.sweep_branches import SweepBranches, sweep_branches_of
@@ -349,7 +349,7 @@ def read_measurements(
         )
     if speeds is not None:
         notes.insert(0, f"{len(order)} of {len(v)} from {low:g} to {high:g} m/s")
-    held = _held(v, mu)
+    held = _rows_held_at_rest(v, mu)
     static_at_least = None
     if held.any() and not held.all():
         static_at_least = float(mu[held].max())
@@ -433,13 +433,13 @@ def read_radius(radius: Number) -> Fraction:
     if not 0 < track < _LARGEST_TRACK:
         raise InputError(f"radius = {float(track):g} m is that of no track; give it in m, like 0.03")
     plain = not isinstance(radius, str) or has_no_unit(radius)
-    if plain and track > _LARGE_TRACK and without_unit(radius, "radius") is radius:
+    if plain and track > _LARGE_TRACK and strip_unit(radius, "radius") is radius:
         like = f"{Argument('radius', f'{float(track):g} mm')} or {Argument('radius', f'{float(track):g} m')}"
         raise InputError(f"radius = {float(track):g} without a unit would be in m; write it with its unit: {like}")
     return track
 
 
-def _held(v: FloatArray, mu: FloatArray) -> BoolArray:
+def _rows_held_at_rest(v: FloatArray, mu: FloatArray) -> BoolArray:
     """Return which rows are at rest, if friction differs among them: there it builds up, and nothing slips.
 
     One row at rest, or several of one coefficient, may be meant as mu(0+).
@@ -514,12 +514,12 @@ def _fold(table: Table) -> tuple[FloatArray, FloatArray, FloatArray | None, IntA
             f"{table.place(row, 'v')}: got v = {table.cell('v', row)}; without a unit a speed is in m/s; write "
             "it, like v [mm/s]"
         )
-    mu, direction, notes = _without_strokes(table, np.sign(v), mu, friction)
+    mu, direction, notes = _remove_stroke_signs(table, np.sign(v), mu, friction)
     sigma = None if deviation is None else np.abs(table.numbers(deviation, load if "F_t" in deviation else None))
     return np.abs(v), mu + 0.0, sigma, direction.astype(np.int64), notes  # -0.0 becomes 0.0
 
 
-def _without_strokes(
+def _remove_stroke_signs(
     table: Table, way: FloatArray, mu: FloatArray, friction: str
 ) -> tuple[FloatArray, FloatArray, list[str]]:
     """Return coefficients without the signs of strokes, the direction of each, and what to say of it.

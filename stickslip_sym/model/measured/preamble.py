@@ -45,15 +45,15 @@ def written_radius(lines: Sequence[tuple[int, Sequence[str]]]) -> WrittenRadius 
             places = [match["value"] or "", *cells[i + 1 : i + 2], *below[i : i + 1]]
             value = next(filter(None, map(_VALUE.fullmatch, places)), None)
             if value is not None:
-                found.append(_read(number, match, value, "".join(cells[i + 2 : i + 3])))
+                found.append(_read_radius(number, match, value, "".join(cells[i + 2 : i + 3])))
     different = {(radius.text, radius.size) for radius in found}
     return found[0] if len(different) == 1 else None
 
 
-def _read(line: int, match: re.Match[str], value: re.Match[str], behind: str) -> WrittenRadius:
+def _read_radius(line: int, match: re.Match[str], value: re.Match[str], behind: str) -> WrittenRadius:
     """Return a radius from its name and value; its unit is with either, or in the cell behind the value."""
-    units = [unit for unit in (match["unit"], value["unit"], behind) if unit and _length(unit)]
-    length = _length(units[0]) if units else None
+    units = [unit for unit in (match["unit"], value["unit"], behind) if unit and _metres(unit)]
+    length = _metres(units[0]) if units else None
     size = None
     if length is not None and _OF_TRACK.search(match["name"]):
         size = Fraction(value["number"].replace(",", ".")) * length
@@ -61,7 +61,7 @@ def _read(line: int, match: re.Match[str], value: re.Match[str], behind: str) ->
     return WrittenRadius(line, match["name"].strip(), text, size)
 
 
-def _length(unit: str) -> Fraction | None:
+def _metres(unit: str) -> Fraction | None:
     """Return the size in m of a unit of length; None for any other text."""
     known = dimensions(unit)
     return known[0] if known is not None and known[1] == _METRES else None

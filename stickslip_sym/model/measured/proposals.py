@@ -58,7 +58,7 @@ def proposed(
     - `chosen`, `radius`, `block`: what the user gave, which stays.
     - `written`: a radius above the table.
     """
-    values = {i: _values(rows, i) for i in range(len(header))}
+    values = {i: _numbers_of_column(rows, i) for i in range(len(header))}
     columns = [HeaderColumn.read(text, i + 1) for i, text in enumerate(header) if len(values[i])]
     left = [
         column for column in columns if not (_IN_TIME.search(column.name) or _counts(column, values))
@@ -69,14 +69,14 @@ def proposed(
         if speed is None:
             return None
         left.remove(speed)
-        picked["v"] = _with_unit(speed, _unit_of_speed(speed, left, values), "speed", "rotation")
+        picked["v"] = _give_unit(speed, _unit_of_speed(speed, left, values), "speed", "rotation")
     if not picked.keys() & {"mu", "F_t"}:
         friction = _friction(left)
         if friction is None:
             return None
         left.remove(friction)
         quantity, unit = _quantity_of_friction(friction)
-        picked[quantity] = _with_unit(friction, unit, *(("number",) if quantity == "mu" else ("force", "torque")))
+        picked[quantity] = _give_unit(friction, unit, *(("number",) if quantity == "mu" else ("force", "torque")))
     if "mu" not in picked and "F_n" not in picked:
         picked["F_n"] = _normal_force(left, values, picked["F_t"], columns)
     given = None if radius is None else f"{float(1000 * radius):g} mm"
@@ -92,7 +92,7 @@ def proposed(
     return None
 
 
-def _values(rows: Sequence[Sequence[str]], i: int) -> FloatArray:
+def _numbers_of_column(rows: Sequence[Sequence[str]], i: int) -> FloatArray:
     """Return the numbers of a column; none where most cells are none."""
     numbers, filled = list[float](), 0
     for row in rows:
@@ -169,7 +169,7 @@ def _unit_of_speed(column: HeaderColumn, others: Sequence[HeaderColumn], values:
     return "m/s" if size <= _SMALL else "mm/s" if size <= _LARGE else "um/s"
 
 
-def _with_unit(column: HeaderColumn, unit: str, *kinds: str) -> str | int:
+def _give_unit(column: HeaderColumn, unit: str, *kinds: str) -> str | int:
     """Return a column by its number, with a unit where it has none of these kinds."""
     known = column.unit is not None and column.unit.kind in kinds
     return column.number if known or not unit else f"{column.number} [{unit}]"
@@ -184,7 +184,7 @@ def _normal_force(
     """Return the column of the normal force, or one force that is above the friction force."""
     named = [column for column in columns if "F_n" in column.possible or _NORMAL.search(column.name)]
     if named:
-        return _with_unit(named[0], "N", "force")
+        return _give_unit(named[0], "N", "force")
     match = re.fullmatch(r"(?P<number>\d+)(?: \[(?P<unit>.*)\])?", str(friction))
     column = next((each for each in all_columns if match and str(each.number) == match["number"]), None)
     if match is None or column is None:

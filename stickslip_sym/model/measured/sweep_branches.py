@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stickslip_sym.core.aliases import FloatArray, IntArray
-from stickslip_sym.core.uncertain import with_error
+from stickslip_sym.core.uncertain import text_with_error
 from stickslip_sym.model.measured.noise import correlation_of
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ class SweepBranches:
             said.append(f"an offset of mu between the directions, {self.offset:.3g}, removed")
         if self.rising:
             counts = f"{self.rising} rising and {self.falling} falling branch{'es' * (self.falling > 1)}"
-            gap = with_error(abs(self.gap), self.standard_error)
+            gap = text_with_error(abs(self.gap), self.standard_error)
             above = "rising" if self.gap > 0 else "falling"
             cause = "hysteresis" if self.rising + self.falling > 2 else "hysteresis, or drift"
             apart = f"{above} above by {gap} on average ({cause}), their mean taken" if self.differ else "alike"
@@ -107,7 +107,7 @@ def sweep_branches_of(
         names.append("offset")
         columns.append(direction.astype(np.float64))
     if rising:
-        hysteresis = _terms(v, sweep)
+        hysteresis = _branch_terms(v, sweep)
         names += ["hysteresis"] * len(hysteresis)
         columns += hysteresis
     none = SweepBranches(rising, falling, sweep, np.zeros((len(v), 0)), np.zeros(len(v)))
@@ -268,10 +268,10 @@ def splines(v: FloatArray) -> "csr_array":
     return csr_array(BSpline.design_matrix(v, np.pad(knots, 3, mode="edge"), 3))
 
 
-def _terms(v: FloatArray, sweep: IntArray) -> list[FloatArray]:
+def _branch_terms(v: FloatArray, sweep: IntArray) -> list[FloatArray]:
     """Return polynomials of the speed, where both branches reach it, and held beyond, as half of a difference."""
     up, down = v[sweep > 0], v[sweep < 0]
-    low, high = _shared(v, sweep)
+    low, high = _shared_speeds(v, sweep)
     shared = [int(((speeds >= low) & (speeds <= high)).sum()) for speeds in (up, down)]
     if low >= high or min(shared) < _FEWEST:
         return []
@@ -281,7 +281,7 @@ def _terms(v: FloatArray, sweep: IntArray) -> list[FloatArray]:
     return list(np.polynomial.legendre.legvander(x, _HIGHEST).T * sweep / 2)
 
 
-def _shared(v: FloatArray, sweep: IntArray) -> tuple[float, float]:
+def _shared_speeds(v: FloatArray, sweep: IntArray) -> tuple[float, float]:
     """Return the lowest and the highest speed that both kinds of branches reach."""
     up, down = v[sweep > 0], v[sweep < 0]
     return float(max(up[0], down[0])), float(min(up[-1], down[-1]))
@@ -289,7 +289,7 @@ def _shared(v: FloatArray, sweep: IntArray) -> tuple[float, float]:
 
 def _alone(v: FloatArray, sweep: IntArray) -> str:
     """Return where more than a few rows are on one kind of branch only."""
-    low, high = _shared(v, sweep)
+    low, high = _shared_speeds(v, sweep)
     said = []
     for outside, where in ((v < low, f"below {low:.3g} m/s"), (v > high, f"above {high:.3g} m/s")):
         if outside.sum() > _ALONE * len(v):

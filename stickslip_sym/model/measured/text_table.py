@@ -223,8 +223,8 @@ def read_table(
     how = _How(chosen, radius, None, leave_out)
     if len(content) > _LONG and not block and (plain := _plain_table(content, name, how)) is not None:
         return plain
-    lines = _lines(_text(content, name), name)
-    parts = _parts(lines, _layout_of_chosen(lines, name) if chosen else _layout(lines, name), name)
+    lines = _filled_lines(_decoded(content, name), name)
+    parts = _blocks_of_file(lines, _layout_of_chosen(lines, name) if chosen else _layout(lines, name), name)
     if sum(len(part.layout.rows) for part in parts) > MOST_ROWS:
         raise InputError(f"{name} has over {MOST_ROWS} rows; average them to fewer")
     numbers = _blocks_to_read(parts, block, name)
@@ -249,7 +249,7 @@ def read_table(
     return table
 
 
-def _lines(text: str, name: str) -> list[_Line]:
+def _filled_lines(text: str, name: str) -> list[_Line]:
     """Return the lines of a text that are not empty."""
     texts = printable(text, lines=True).replace("\N{MINUS SIGN}", "-").splitlines()
     for number, line in enumerate(texts, 1):
@@ -265,8 +265,10 @@ def _plain_table(content: bytes, name: str, how: "_How") -> Table | None:
     """Return the columns of a long file of plain numbers; None where its cells are to be looked at one by one."""
     try:
         head = content[: content.rindex(b"\n", 0, _HEAD) + 1].decode()
-        lines = _lines(head, name)
-        (part,) = _parts(lines, _layout_of_chosen(lines, name) if how.chosen else _layout(lines, name), name)
+        lines = _filled_lines(head, name)
+        (part,) = _blocks_of_file(
+            lines, _layout_of_chosen(lines, name) if how.chosen else _layout(lines, name), name
+        )
     except (ValueError, InputError):
         return None
     header, separator, rows = part.layout.header, part.layout.separator, part.layout.rows
@@ -363,7 +365,7 @@ def _together(tables: Sequence[Table]) -> Table:
     return whole
 
 
-def _parts(lines: Sequence[_Line], layout: _Layout, name: str) -> list[_Part]:
+def _blocks_of_file(lines: Sequence[_Line], layout: _Layout, name: str) -> list[_Part]:
     """Return the blocks of a file whose first table is known: each later header begins another."""
     first = lines.index(layout.line) if layout.line is not None else lines.index(layout.rows[0])
     begins = [first]
@@ -440,7 +442,7 @@ def _blocks_to_read(parts: Sequence[_Part], block: Collection[int], name: str) -
     return {number for numbers in kinds.values() for number in numbers}
 
 
-def _text(content: bytes, name: str) -> str:
+def _decoded(content: bytes, name: str) -> str:
     if kind := _WORKBOOKS.get(content[:4]):
         raise InputError(f"{name} is a workbook ({kind}), not a text file; save the sheet as CSV")
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
@@ -475,7 +477,7 @@ def _names(line: str, separator: str) -> list[str]:
     return cells
 
 
-def _as_wide(line: str, row: str, separator: str) -> bool:
+def _is_as_wide(line: str, row: str, separator: str) -> bool:
     """Return whether a line has as many columns as a row, with or without the empty ones at their ends."""
     return any(len(cells(line, separator)) == len(cells(row, separator)) for cells in (_names, _cells))
 
@@ -490,7 +492,7 @@ def _is_of_units(cells: Sequence[str], count: int) -> bool:
     return len(cells) == count and any(units) and not any(_is_number(cell) and cell != "1" for cell in cells)
 
 
-def _with_units(names: Sequence[str], units: Sequence[str]) -> list[str]:
+def _join_units(names: Sequence[str], units: Sequence[str]) -> list[str]:
     plain = [unit.strip("[]() ") for unit in units]
     return [f"{name} [{unit}]" if unit else name for name, unit in zip(names, plain, strict=True)]
 
@@ -517,12 +519,12 @@ def _layout_of_chosen(lines: Sequence[_Line], name: str) -> _Layout:
         and (all if whole else any)(is_value(cell) for cell in cells if cell)
     )  # fmt: skip
     above = lines[: lines.index(rows[first])]
-    wide = [(line, _names(line.text, mark)) for line in above if _as_wide(line.text, rows[first].text, mark)]
+    wide = [(line, _names(line.text, mark)) for line in above if _is_as_wide(line.text, rows[first].text, mark)]
     if not wide:
         return _Layout(mark, [""] * count, None, rows[first:])
     line, header = wide[-1]
     if len(wide) > 1 and _is_of_units(header, len(wide[-2][1])):
-        line, header = wide[-2][0], _with_units(wide[-2][1], header)
+        line, header = wide[-2][0], _join_units(wide[-2][1], header)
     return _Layout(mark, header, line, rows[first:])
 
 
@@ -541,13 +543,13 @@ def _layout(lines: Sequence[_Line], name: str) -> _Layout:
         first = {mark: _names(below[0].text, mark) if below else [] for mark in SEPARATORS}
         where = f"{name}, line {line.number}"
         named = [mark for mark in SEPARATORS if is_header(cells[mark])]
-        named.sort(key=lambda mark: not (below and _as_wide(line.text, below[0].text, mark)))
+        named.sort(key=lambda mark: not (below and _is_as_wide(line.text, below[0].text, mark)))
         if named and not below:
             raise InputError(f"{name} has no points below line {line.number}; write a line for each")
         for mark in named:
             units = first[mark] + [""] * (len(cells[mark]) - len(first[mark])) * (mark != " ")
             if _is_of_units(units, len(cells[mark])):
-                cells[mark] = _with_units(cells[mark], units)
+                cells[mark] = _join_units(cells[mark], units)
                 start += 1
                 first[mark] = _names(rows[start].text, mark) if start < len(rows) else []
             fits = len(first[mark]) == len(cells[mark]) if mark == " " else len(first[mark]) > 1
@@ -613,7 +615,7 @@ def _fill(table: Table, rows: Sequence[_Row], header: list[str], separator: str)
     table.written = f"columns parted by {_PARTED[separator]}"
     read = {column.number - 1: quantity for quantity, column in table.columns.items() if not column.value}
     if separator == ",":  # a comma in a cell is one in quotes
-        rows = _without_thousands(rows, read)
+        rows = _drop_thousands(rows, read)
     sign = _decimal_sign([row[i] for _, row in rows for i in read if i < len(row)], table.name)
     table.written += f", decimal {'comma' if sign == ',' else 'point'}"
     looked_at = [row for _, row in rows[:_LOOKED_AT] if len(row) >= count]
@@ -679,7 +681,7 @@ def _refuse_second_table(table: Table, rows: Sequence[_Row], separator: str) -> 
             )
 
 
-def _without_thousands(rows: Sequence[_Row], read: Iterable[int]) -> Sequence[_Row]:
+def _drop_thousands(rows: Sequence[_Row], read: Iterable[int]) -> Sequence[_Row]:
     """Return rows without commas between thousands, where points say that commas are no decimal signs."""
     cells = [row[i] for _, row in rows for i in read if i < len(row)]
     commas = [cell for cell in cells if "," in cell]

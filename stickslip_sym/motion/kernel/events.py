@@ -3,7 +3,7 @@
 import math
 
 from stickslip_sym.motion.compiled import compilable, inlined
-from stickslip_sym.motion.kernel.forces import bend_at, of_wedge, rate_at
+from stickslip_sym.motion.kernel.forces import bend_at, rate_at, wedge_terms
 from stickslip_sym.motion.kernel.slip_data import ULP, Branch, Field, SlipEnd, SlipState, Trial, Wedge
 from stickslip_sym.motion.kernel.steps import stepped
 
@@ -92,7 +92,7 @@ def _moved(branch: Branch, field: Field, trial: Trial, shift: float, bend: float
     """
     length, q, w, rate, D, error = trial
     if wedge.wanted:
-        a, b = of_wedge(branch, field, wedge, w)
+        a, b = wedge_terms(branch, field, wedge, w)
         D += shift * (a * D + b)
     q += shift * (1.0 - field.side * w - shift * field.side * (0.5 * rate + shift * bend / 6.0))
     w += shift * (rate + 0.5 * shift * bend)

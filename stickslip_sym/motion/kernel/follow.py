@@ -79,7 +79,7 @@ def follow(
             if end != SlipEnd.OPEN:
                 break
             branch = entered(rise, segment, rising, state.w)
-            state = _at_rate(state, rate_at(branch, field, state.q, state.w))
+            state = _add_rate(state, rate_at(branch, field, state.q, state.w))
         end = _interruption(state.tau, taken, stop)
         is_asked = taken % _LOOK == _LOOK - 1 and field.side > 0.0 and not recorded
         if is_asked and stop.horizon == math.inf and creeps(rise, field, state.q, state.w):
@@ -113,11 +113,11 @@ def follow(
         may_rest = abs(trial.w - 1.0) <= close and event in (SlipEnd.OPEN, SlipEnd.LEVEL)
         ends_at = SlipEnd.OPEN
         if may_rest:
-            ends_at = _beside_rest(rise, field, state, rising, rtol)
+            ends_at = _is_beside_rest(rise, field, state, rising, rtol)
         if ends_at == SlipEnd.REST:
             end = SlipEnd.REST
         elif ends_at == SlipEnd.LEVEL:
-            at_kink, state = True, _on_jump(rise, field, state, rising, wedge)
+            at_kink, state = True, _place_on_jump(rise, field, state, rising, wedge)
             if stop.until == SlipEnd.LEVEL and stop.level == 1.0:
                 end = SlipEnd.LEVEL
         elif event == SlipEnd.LEVEL:
@@ -132,7 +132,7 @@ def follow(
             elif stop.until == SlipEnd.LEVEL and state.w == stop.level:
                 end = SlipEnd.LEVEL
         elif event != SlipEnd.OPEN:
-            rising, state = not rising, _at_rate(state, 0.0)
+            rising, state = not rising, _add_rate(state, 0.0)
             end = event if stop.until == event else SlipEnd.OPEN
     return Run(end, state, Extent(taken, passed, q_least, q_most, u_least, u_most), steps)
 
@@ -148,7 +148,7 @@ def _begun(rise: Rise, field: Field, begin: SlipState) -> tuple[int, bool, SlipS
     forces = abs(field.push) + abs(field.eta * rise_at(branch, w)) + abs(begin.q) + abs(field.damping * w)
     noise = PRECISE * forces
     rising = w == 0.0 or rate > noise or (abs(rate) <= noise and w < field.side)
-    return segment, rising, _at_rate(begin, rate)
+    return segment, rising, _add_rate(begin, rate)
 
 
 @compilable
@@ -236,19 +236,19 @@ def _enter(
     if (across >= 0.0) == rising or rise.jumps[upper] == 0.0:
         segment = beyond
         if wedge.wanted and rise.jumps[upper] != 0.0:
-            state = _through(field, state, across, wedge.shifts[upper])
+            state = _cross_jump_of_law(field, state, across, wedge.shifts[upper])
     elif field.side * state.w == 1.0:
-        end, state = SlipEnd.REST, _at_rate(state, 0.0)
+        end, state = SlipEnd.REST, _add_rate(state, 0.0)
     else:
         turn, segment, rising, slide = _slide(rise, field, state, upper, rising, stop.horizon)
         state = _slid(field, state, slide, wedge.shifts[upper])
         if turn == stop.until:
-            end, state = turn, _at_rate(state, 0.0)
+            end, state = turn, _add_rate(state, 0.0)
     return end, segment, rising, state, slide
 
 
 @compilable
-def _through(field: Field, state: SlipState, across: float, shift: float) -> SlipState:
+def _cross_jump_of_law(field: Field, state: SlipState, across: float, shift: float) -> SlipState:
     """Return the state beyond a jump of mu, where w' is `across`; `shift` is that of the jump with p."""
     moved, D = shift * (1.0 - field.side * state.w), state.wedge
     if state.rate != 0.0:
@@ -288,13 +288,13 @@ def _slid(field: Field, state: SlipState, length: float, shift: float) -> SlipSt
 
 
 @compilable
-def _at_rate(state: SlipState, rate: float) -> SlipState:
+def _add_rate(state: SlipState, rate: float) -> SlipState:
     """Return a state with its rate."""
     return SlipState(state.tau, state.q, state.w, state.side, rate, state.wedge)
 
 
 @compilable
-def _beside_rest(rise: Rise, field: Field, state: SlipState, rising: bool, rtol: float) -> SlipEnd:
+def _is_beside_rest(rise: Rise, field: Field, state: SlipState, rising: bool, rtol: float) -> SlipEnd:
     """Return whether a mass with w near 1 is at rest within the tolerance, and stays there: `REST`.
 
     Where two segments of the law meet at rest without a jump, a motion may come to it in swings over both, where
@@ -327,7 +327,7 @@ def _beside_rest(rise: Rise, field: Field, state: SlipState, rising: bool, rtol:
 
 
 @compilable
-def _on_jump(rise: Rise, field: Field, state: SlipState, rising: bool, wedge: Wedge) -> SlipState:
+def _place_on_jump(rise: Rise, field: Field, state: SlipState, rising: bool, wedge: Wedge) -> SlipState:
     """Return the state where mu jumps at w = 1 of a mass that is at rest there but for rounding.
 
     Its displacement is that of rest on the side from which it came, and so is how that changes: dq/dp = -dw'/dp.

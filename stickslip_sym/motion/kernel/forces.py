@@ -106,7 +106,7 @@ def bend_at(branch: Branch, field: Field, w: float, r: float) -> float:
 
 
 @compilable
-def of_wedge(branch: Branch, field: Field, wedge: Wedge, w: float) -> tuple[float, float]:
+def wedge_terms(branch: Branch, field: Field, wedge: Wedge, w: float) -> tuple[float, float]:
     """Return a and b of the wedge's equation D' = a D + b."""
     pieces, first, last, _ = branch
     eta, _, side, damping = field

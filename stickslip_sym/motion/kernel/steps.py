@@ -5,7 +5,7 @@ import math
 from scipy.integrate import DOP853
 
 from stickslip_sym.motion.compiled import compilable, inlined
-from stickslip_sym.motion.kernel.forces import of_wedge, rate_at, rise_at, slope_at
+from stickslip_sym.motion.kernel.forces import rate_at, rise_at, slope_at, wedge_terms
 from stickslip_sym.motion.kernel.slip_data import ULP, Branch, Field, SlipState, Trial, Wedge
 
 _SMALL = 0.01  # states below count as that large in an error: less than order 1, since events are where w is 0
@@ -95,7 +95,7 @@ def _explicit(branch: Branch, field: Field, state: SlipState, h: float, rtol: fl
         speeds = (w, w2, w3, w4, w5, w6, w7, w8, w9, w10, w11, w12)
         rates = [0.0] * 12
         for i in range(12):
-            a, b = of_wedge(branch, field, wedge, speeds[i])
+            a, b = wedge_terms(branch, field, wedge, speeds[i])
             change = 0.0
             for j in range(i):
                 change += _A[i][j] * rates[j]
@@ -127,7 +127,7 @@ def _implicit(branch: Branch, field: Field, state: SlipState, h: float, rtol: fl
             x += ((1.0 + s * decay) * dq - s * side * dw) / determinant
             y += (dw + s * side * dq) / determinant
             if wedge.wanted:
-                a, b = of_wedge(branch, field, wedge, y)
+                a, b = wedge_terms(branch, field, wedge, y)
                 z = (z + s * b) / (1.0 - s * a)
         for k in range(row):
             # Neville's scheme, from the row before to this one; x, y and z hold the column that is known.

@@ -15,7 +15,7 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.names import suggestion
 from stickslip_sym.core.numbers import read_array, real
 from stickslip_sym.core.remedies import ParameterValues
-from stickslip_sym.core.units import in_si
+from stickslip_sym.core.units import si_number
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.law_content import text_of_law
 from stickslip_sym.model.oscillator import Oscillator
@@ -168,7 +168,7 @@ def read_axis(law: FrictionLaw, side: str, given: AxisValues) -> Axis:
         )
     quantity = quantities[name]
     if isinstance(values, list | tuple) and any(isinstance(value, str) for value in values):
-        values = [real(name, in_si(value, name, quantity.unit or "")) for value in values]
+        values = [real(name, si_number(value, name, quantity.unit or "")) for value in values]
     return Axis(name, read_values(name, values), quantity.unit or "", quantity.meaning)
 
 

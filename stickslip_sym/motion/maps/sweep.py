@@ -39,7 +39,7 @@ from stickslip_sym.motion.orbits.damping import needed_damping
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.regimes.regime import Regime, kept_regime
 from stickslip_sym.numerics.known import Column
-from stickslip_sym.numerics.resolved import NO_VALUE, NODES, Piece, Resolved, Turn, fitted, nodes
+from stickslip_sym.numerics.resolved import NO_VALUE, NODES, Piece, Resolved, Turn, fit_polynomial, nodes
 from stickslip_sym.numerics.subdivide import Accept, joined
 from stickslip_sym.output.data import DataResult
 
@@ -253,7 +253,7 @@ def _branches(low: float, high: float, rows: list[list[Turn]]) -> list[Piece] | 
     pieces = list[Piece]()
     for branch in zip(*(turns[1:-1] for turns in rows), strict=True):
         values, errors = (np.array(column) for column in list(zip(*branch, strict=True))[1:])
-        decision = fitted(low, high, Column.of(values, errors, NO_VALUE), _RTOL)
+        decision = fit_polynomial(low, high, Column.of(values, errors, NO_VALUE), _RTOL)
         if not isinstance(decision, Accept):
             return None
         pieces.append(decision.payload)

@@ -29,7 +29,7 @@ from stickslip_sym.core.names import lookup
 from stickslip_sym.core.numbers import SAME, read_array, read_rtol, real
 from stickslip_sym.core.quantity import QuantityResult
 from stickslip_sym.core.remedies import Argument
-from stickslip_sym.core.units import in_si
+from stickslip_sym.core.units import si_number
 from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.model.law import FrictionLaw
@@ -42,7 +42,7 @@ from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.motion.thresholds.averages import fast_average, resolved_gauss_average
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, transit
 from stickslip_sym.motion.thresholds.methods import Method, MethodName, accuracy, evaluate, find_method, methods
-from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, of_oscillator
+from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, oscillator_quantities
 from stickslip_sym.motion.thresholds.theorem import Search, checked_hypotheses
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.numerics.known import Column, Unknown, attempted
@@ -249,7 +249,7 @@ def critical(
     if of in numbers:
         raise InputError(f"{of} is sought; leave its value out")
     if osc is not None:
-        numbers = of_oscillator(osc, numbers, [name for name in values if name != of])
+        numbers = oscillator_quantities(osc, numbers, [name for name in values if name != of])
     missing = [name for name in ("c", "V", "N") if name not in (of, *numbers)]
     if missing and of != "c":
         raise InputError(f"{' and '.join(missing)} must be given to find {of}: ", Argument(missing[0]))
@@ -259,7 +259,9 @@ def critical(
             return critical_damping(pure_slip_damping(law, **numbers, method=method, rtol=rtol))
         unit = (law.parameters[of].unit or "") if of in law.parameters else None
         if isinstance(within, list | tuple):
-            within = [real(of, in_si(value, of, unit)) if isinstance(value, str) else value for value in within]
+            within = [
+                real(of, si_number(value, of, unit)) if isinstance(value, str) else value for value in within
+            ]
         return _Search(law, of, numbers, find_method(method), rtol).found(_read_places(within))
 
 

@@ -86,7 +86,7 @@ def average_changes(criterion: Criterion, points: OperatingPoints) -> dict[str, 
         smooth = not (table.kinks or table.narrow.size)
         own = None if smooth else partial.table_up_to(2 * float(V.max()))
         by_slopes = resolved_gauss_average(partial, criterion, V, own, table if smooth else None)
-        return N * (by_slopes + _of_jumps(law, criterion, V, name))
+        return N * (by_slopes + _changes_by_jumps(law, criterion, V, name))
 
     return (
         {name: np.zeros_like(V) for name in points.columns}
@@ -95,7 +95,7 @@ def average_changes(criterion: Criterion, points: OperatingPoints) -> dict[str, 
     )
 
 
-def _of_jumps(law: FrictionLaw, criterion: Criterion, V: FloatArray, name: str) -> FloatArray:
+def _changes_by_jumps(law: FrictionLaw, criterion: Criterion, V: FloatArray, name: str) -> FloatArray:
     """Return what moving jumps of mu bring: c is the integral of mu times a kernel K(v)."""
     sums = np.zeros_like(V)
     if criterion.weight is None:

@@ -154,7 +154,7 @@ def add_method(method: Method) -> None:
 
 def methods() -> dict[str, Method]:
     """Return the methods by name: the averages by the criteria of the catalogue, and what comes closer."""
-    return {name: _of_criterion(criterion) for name, criterion in criteria.catalogue.items()} | _table
+    return {name: _criterion_method(criterion) for name, criterion in criteria.catalogue.items()} | _table
 
 
 MethodName: TypeAlias = (
@@ -169,7 +169,7 @@ def find_method(method: "MethodName | Criterion | Method") -> Method | None:
     if isinstance(method, Method):
         return method
     if isinstance(method, Criterion):
-        return _of_criterion(method)
+        return _criterion_method(method)
     known: dict[str, Method | None] = {**methods(), "auto": None}
     return lookup("method", method, known)
 
@@ -240,7 +240,7 @@ def evaluate(
     refusals: dict[int, StickSlipError] = {}
     theorems: dict[int, Theorem] = {}
     best = Computed(value, error, refusals, theorems)
-    for chosen, its_points in _in_turn(points, rtol, prove):
+    for chosen, its_points in _ask_in_turn(points, rtol, prove):
         rows = np.flatnonzero(its_points & ~(error <= rtol) & (chosen.automatic | np.isfinite(error)))
         if not rows.size:
             continue
@@ -258,7 +258,7 @@ def evaluate(
     return best, names
 
 
-def _in_turn(points: OperatingPoints, rtol: float, prove: bool) -> Iterator[tuple[Method, BoolArray]]:
+def _ask_in_turn(points: OperatingPoints, rtol: float, prove: bool) -> Iterator[tuple[Method, BoolArray]]:
     """Yield the methods that are asked one after another, and which points are whose turn.
 
     Time stepping in double precision has an end; a proof takes a hundred times as long, and has any digits.
@@ -297,10 +297,10 @@ def _best_value(points: OperatingPoints, computed: Computed, row: int) -> str:
 
 
 @lru_cache(maxsize=32)
-def _of_criterion(criterion: Criterion) -> Method:
+def _criterion_method(criterion: Criterion) -> Method:
     return Method(
         criterion.name,
-        partial(_by_average, criterion),
+        partial(_damping_by_average, criterion),
         converges=False,
         sensitivity=partial(average_changes, criterion),
         cost=math.inf,
@@ -308,7 +308,7 @@ def _of_criterion(criterion: Criterion) -> Method:
     )
 
 
-def _by_average(criterion: Criterion, points: OperatingPoints, rtol: float) -> Computed:
+def _damping_by_average(criterion: Criterion, points: OperatingPoints, rtol: float) -> Computed:
     del rtol  # the value of an average is what it is
     error = np.full(len(points), ROUNDING if is_straight(points.law) else np.inf)
     return Computed(points.N * fast_average(points.law, criterion, points.V), error)
@@ -322,7 +322,7 @@ def is_straight(law: FrictionLaw) -> bool:
 # -- slip orbits -----------------------------------------------------------------------------------
 
 
-def _by_expansion(points: OperatingPoints, rtol: float) -> Computed:
+def _damping_by_expansion(points: OperatingPoints, rtol: float) -> Computed:
     """Return the damping to second order in the friction; the error is that of the grid and the next order.
 
     The expansion goes by the square of the orbit's distortion. It is one of the largest slope, not of the average,
@@ -372,7 +372,7 @@ def _orbit_cost(points: OperatingPoints, rtol: float) -> FloatArray:
     return np.where(tail <= min(_RESOLVED, _FALLS * rtol), 2.0, 10.0)
 
 
-def _by_orbit(points: OperatingPoints, rtol: float) -> Computed:
+def _damping_by_orbit(points: OperatingPoints, rtol: float) -> Computed:
     orbit = orbits(points.bound, points.V, points.strength, rtol=rtol)
     value = orbit.d * points.impedance
     with np.errstate(invalid="ignore"):
@@ -385,7 +385,7 @@ def _by_orbit(points: OperatingPoints, rtol: float) -> Computed:
         return Computed(np.full_like(value, np.nan), np.full_like(error, np.inf), refusals)
     # Friction is too strong for a grid of phases, or mu rough.
     far = np.flatnonzero(~(error <= rtol))
-    halves = _by_simulation(points.rows(far), rtol)
+    halves = _damping_by_simulation(points.rows(far), rtol)
     closer = ~(error[far] <= halves.relative_error)
     value[far[closer]], error[far[closer]] = halves.value[closer], halves.relative_error[closer]
     return Computed(value, error, {int(far[row]): refusal for row, refusal in halves.refusals.items()})
@@ -410,7 +410,7 @@ def _orbit_changes(points: OperatingPoints) -> dict[str, FloatArray]:
 # -- the slip from P -------------------------------------------------------------------------------
 
 
-def _by_simulation(points: OperatingPoints, rtol: float) -> Computed:
+def _damping_by_simulation(points: OperatingPoints, rtol: float) -> Computed:
     """Return the damping at which the simulated slip from P grazes the belt's speed."""
     fast = len(points) >= _MANY
     computed = _each(
@@ -434,7 +434,7 @@ def _each(points: OperatingPoints, compute: Callable[[int], tuple[float, float]]
     return Computed(columns[0], columns[1], refusals)
 
 
-def _by_proof(points: OperatingPoints, rtol: float) -> Computed:
+def _damping_by_proof(points: OperatingPoints, rtol: float) -> Computed:
     """Return the middle of the dampings between which the threshold was proved to lie."""
     from stickslip_sym.motion.thresholds.boxes import ExactPoint
     from stickslip_sym.motion.thresholds.theorem import prove_threshold
@@ -458,9 +458,9 @@ def _by_proof(points: OperatingPoints, rtol: float) -> Computed:
 _table: dict[str, Method] = {
     method.name: method
     for method in (
-        Method("second_order", _by_expansion, False, _expansion_changes, cost=1.0, smooth=True),
-        Method("simulation", _by_simulation, cost=5.0, loosest=1e-3),
-        Method("orbit", _by_orbit, True, _orbit_changes, cost=_orbit_cost, smooth=True),
-        Method("proof", _by_proof, cost=math.inf, tightest=1e-40, loosest=1e-3),
+        Method("second_order", _damping_by_expansion, False, _expansion_changes, cost=1.0, smooth=True),
+        Method("simulation", _damping_by_simulation, cost=5.0, loosest=1e-3),
+        Method("orbit", _damping_by_orbit, True, _orbit_changes, cost=_orbit_cost, smooth=True),
+        Method("proof", _damping_by_proof, cost=math.inf, tightest=1e-40, loosest=1e-3),
     )
 }

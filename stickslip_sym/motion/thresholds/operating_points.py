@@ -55,7 +55,7 @@ class OperatingPoints:
         """
         numbers: dict[str, Any] = {name: value for name, value in values.items() if value is not None}
         if osc is not None:
-            numbers = of_oscillator(osc, numbers, ("V", "N", "m", "k"))
+            numbers = oscillator_quantities(osc, numbers, ("V", "N", "m", "k"))
         for name in ("V", "N"):
             if name not in numbers:
                 raise InputError(f"the {symbols.QUANTITIES[name].meaning} is missing: give ", Argument(name))
@@ -174,7 +174,7 @@ class OperatingPoints:
         return ", ".join(f"{name} = {column[row]:g}" for name, column in self.columns.items())
 
 
-def of_oscillator(osc: Oscillator, numbers: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
+def oscillator_quantities(osc: Oscillator, numbers: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
     """Return quantities of an oscillator by name; refuse what is none, and numbers beside it."""
     if not isinstance(osc, Oscillator):
         raise InputError(

@@ -18,7 +18,7 @@ from sweeps import sample, sweep
 import stickslip_sym as ss
 from stickslip_sym.core.special import Lerch
 from stickslip_sym.formula.code.languages import LANGUAGES
-from stickslip_sym.formula.code.writer import text_of as written
+from stickslip_sym.formula.code.writer import expression_text as written
 from stickslip_sym.formula.proof.normal_form import plain
 from stickslip_sym.formula.transition_speeds import transition_speeds
 from stickslip_sym.output.printing import text as text_of

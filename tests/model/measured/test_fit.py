@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from sweeps import sweep
 
 import stickslip_sym as ss
-from stickslip_sym.core.uncertain import interval, with_error
+from stickslip_sym.core.uncertain import interval_text, text_with_error
 from stickslip_sym.model.measured.measurements import Measurements
 
 TRUE = {"mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0}
@@ -148,7 +148,7 @@ def test_profiles_agree_with_standard_errors(fits):
 
 @given(st.floats(-1e3, 1e3), st.floats(1e-9, 1e3))
 def test_intervals_never_collapse_in_text(middle, half):
-    low, high = map(float, interval(middle - half, middle + half).split(" to "))
+    low, high = map(float, interval_text(middle - half, middle + half).split(" to "))
     assert abs(high - low - 2 * half) <= 0.06 * half
 
 
@@ -199,7 +199,7 @@ def test_a_fit_reports_itself(fits, tmp_path):
         assert fit.noise in str(fit)
         bound = fit.law.bind(**fit.uncertain)
         assert all(
-            with_error(fit.values[name], error) in bound._repr_html_()
+            text_with_error(fit.values[name], error) in bound._repr_html_()
             for name, error in fit.standard_errors.items()
         )
     assert [one["law"]["name"] for one in json.loads(fits.to_json())["fits"]] == [fit.name for fit in fits]

@@ -124,7 +124,7 @@ def press(done, total):
 
 def test_control_c_prints_what_is_done(run, monkeypatch, tmp_path):
     heard = report_steps_to(lambda step: press(step.done, step.total))
-    monkeypatch.setattr("stickslip_sym.cli.map.under_way", lambda _: heard)
+    monkeypatch.setattr("stickslip_sym.cli.map.show_progress", lambda _: heard)
     code, out, err = run("map", "exponential", "--x", "V=0.2:0.8:7", "--y", "c=0.5:6:12", "--csv", "part.csv")
     assert (code, err.strip()) == (130, "interrupted")
     assert "stick-slip" in out
