@@ -1,6 +1,6 @@
 """What the commands print: progress, and with ``--json`` one object, valid JSON, of a shape that stays.
 
-    {"format": 3, "version": "1.0.0", "command": "damping", "operating_point": {"law": ..., ...}, ...}
+    {"format": 3, "version": "...", "command": "damping", "operating_point": {"law": ..., ...}, ...}
 
 Results are objects with the names of their attributes in Python, as `content` makes them. "format" grows when a
 name goes or changes its meaning; names may be added without. A call that fails prints, beside its line on stderr,

@@ -1,3 +1,3 @@
 """The version, in a file that costs nothing to import."""
 
-__version__ = "1.0.0"
+__version__ = "1.1.0"
