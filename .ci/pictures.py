@@ -17,7 +17,7 @@ import zlib
 from html import unescape
 from pathlib import Path
 
-from stickslip_sym.output.browser import require_browser
+from stickslip_sym.views.pages.browser import require_browser
 
 ROOT = Path(__file__).parents[1]
 TRADE, STUDY = ROOT / ".github" / "tradeoff.svg", ROOT / ".github" / "study.png"

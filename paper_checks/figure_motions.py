@@ -11,7 +11,7 @@ from paper_checks.computed import oscillator, response, threshold
 from stickslip_sym import FrictionLaw, Oscillator, Phase, limit_cycles, simulate
 from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.simulation.trajectory import Trajectory
-from stickslip_sym.output.drawing import BLUE, ORANGE, finish, new_figure, panel_letters
+from stickslip_sym.views.drawing import BLUE, ORANGE, finish, new_figure, panel_letters
 
 PAPER = {"color": "black", "linewidth": 1.1}
 """How a line looks that the paper shows; what it leaves out is coloured, and thicker or dash-dotted."""

@@ -11,7 +11,7 @@ from paper_checks.figure_motions import PAPER
 from paper_checks.printed import PRINTED
 from stickslip_sym import slope_average, symbols
 from stickslip_sym.comparison.tradeoff import pure_slip_by_scan
-from stickslip_sym.output.drawing import BLUE, GREEN, ORANGE, finish, new_figure, panel_letters
+from stickslip_sym.views.drawing import BLUE, GREEN, ORANGE, finish, new_figure, panel_letters
 
 _HIGHEST = 6.0  # kg/s, the paper's axis
 _SCANNED = (0.2, 0.4, 0.6, 0.8)  # m/s, on both sides of the speed at which the paper prints the number

@@ -8,7 +8,7 @@ from typing import Any
 from paper_checks.figure_motions import histories, phase_plots
 from paper_checks.figure_thresholds import friction_laws, plane, several_minima
 from paper_checks.printed import PRINTED
-from stickslip_sym.output.drawing import styled
+from stickslip_sym.views.drawing import styled
 
 
 @dataclass(frozen=True)

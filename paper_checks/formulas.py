@@ -9,8 +9,8 @@ from sympy.printing.precedence import PRECEDENCE
 
 from derivations import paper
 from stickslip_sym.core.symbols import N, V, a, b, c, k, m, mu, t, u
-from stickslip_sym.output.markup import Markup
-from stickslip_sym.output.page.render import formula
+from stickslip_sym.views.markup import Markup
+from stickslip_sym.views.pages.render import formula
 
 _VELOCITY, _ACCELERATION = sp.symbols("xdot xddot", real=True)
 _X_P, _X_Q, _V_P, _V_Q, _F, _X, _S = sp.symbols("x_P x_Q V_P V_Q f x S", real=True)

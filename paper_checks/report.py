@@ -17,9 +17,9 @@ from paper_checks.proved import THEOREMS, theorem
 from stickslip_sym.comparison.compare import Row
 from stickslip_sym.comparison.tradeoff import SPEEDS, tradeoff
 from stickslip_sym.motion.thresholds.theorem import Theorem
-from stickslip_sym.output.drawing import svg_uri
-from stickslip_sym.output.page.render import render, versions
 from stickslip_sym.output.tables import duration, now
+from stickslip_sym.views.drawing import svg_uri
+from stickslip_sym.views.pages.render import render, versions
 
 _POINT = {name: getattr(oscillator(), name) for name in "VNmk"}
 _FORMAT = 3

@@ -19,7 +19,7 @@ TOGETHER = {
                      "tests/formula/export/", "tests/model/test_catalogue.py", "tests/output/test_latex.py"),
     "printed formulas": ("tests/output/test_printers.py",),
     "measured points": ("tests/model/test_samples.py",),
-    "results": ("tests/output/test_notebook.py", "tests/whole/test_results_are_data.py",
+    "results": ("tests/views/test_notebook.py", "tests/whole/test_results_are_data.py",
                 "tests/formula/test_views.py"),
 }  # fmt: skip
 """Tests that share orbits and proofs, closed forms, or draws: one process makes them, once."""

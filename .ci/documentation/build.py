@@ -19,7 +19,7 @@ import pdoc.render
 from pygments.formatters import HtmlFormatter
 
 import stickslip_sym as ss
-from stickslip_sym.output.page.render import formula
+from stickslip_sym.views.pages.render import formula
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]

@@ -152,7 +152,8 @@ def unit_of_option(law: ss.FrictionLaw, name: str) -> str | None:
 
 def read_file(text: str, name: str, *, endings: Sequence[str]) -> Path:
     """Read the name of a file to write, and refuse it before the work where it cannot be written."""
-    from stickslip_sym.output import drawing, files
+    from stickslip_sym.output import files
+    from stickslip_sym.views import drawing
 
     path = Path(text)
     if text.startswith("-"):

@@ -37,11 +37,11 @@ def run(given: Given) -> None:
     Example: stickslip study exponential -V 0.5 -c 2.3 -p mu_s=0.50+/-0.02 -o study.html --pdf study.pdf
     """
     from stickslip_sym.motion.margins.margins import carried_by
-    from stickslip_sym.output.browser import require_browser
-    from stickslip_sym.output.drawing import require_matplotlib
     from stickslip_sym.output.files import write_text
-    from stickslip_sym.output.page.render import require_templates
-    from stickslip_sym.views.explorer import explorer
+    from stickslip_sym.views.drawing import require_matplotlib
+    from stickslip_sym.views.pages.browser import require_browser
+    from stickslip_sym.views.pages.explorer import explorer
+    from stickslip_sym.views.pages.render import require_templates
 
     require_templates()
     limit, name = given["time_limit"], given["name"]

@@ -33,7 +33,7 @@ from stickslip_sym.output.shown import Report, views_of
 from stickslip_sym.output.tables import duration
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from stickslip_sym.output.shown import Figure
 
 Quantity: TypeAlias = float | str | UFloat
 """A quantity of an operating point in SI units, perhaps with a standard error."""

@@ -45,7 +45,7 @@ from stickslip_sym.output.data import TableResult
 from stickslip_sym.output.shown import Drawn, Report, views_of
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    from stickslip_sym.output.shown import Axes
 
 KINDS = ("criterion", "threshold", "basin")
 _DERIVING = 120.0  # seconds of the search for a closed form

@@ -36,8 +36,7 @@ from stickslip_sym.output.data import DataResult
 from stickslip_sym.output.shown import Shown, views_of
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from stickslip_sym.output.shown import Axes, Figure
 
 
 class FrictionLaw(Shown, DataResult):

@@ -15,12 +15,11 @@ from stickslip_sym.comparison.study import Study
 from stickslip_sym.comparison.tradeoff import Trade, Tradeoff
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.output import markup
-from stickslip_sym.output.drawing import new_figure, picture, save
 from stickslip_sym.output.shown import HeadedRows
 from stickslip_sym.output.tables import table
-from stickslip_sym.views import dispatch
-from stickslip_sym.views.study_page import page_of_study, print_page_of_study
+from stickslip_sym.views import dispatch, markup
+from stickslip_sym.views.drawing import new_figure, picture, save
+from stickslip_sym.views.pages.study_page import page_of_study, print_page_of_study
 from stickslip_sym.views.threshold_plane import figure_of_plane
 
 if TYPE_CHECKING:

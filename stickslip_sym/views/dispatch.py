@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.output import markup, tables
-from stickslip_sym.output.drawing import new_figure, save, styled
+from stickslip_sym.output import tables
 from stickslip_sym.output.shown import HeadedRows
+from stickslip_sym.views import markup
+from stickslip_sym.views.drawing import new_figure, save, styled
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

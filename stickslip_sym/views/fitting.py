@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any
 from stickslip_sym.core.uncertain import interval_text, text_with_error
 from stickslip_sym.model.fitting.result import Fit, Fits
 from stickslip_sym.model.fitting.weights import RANKED, speeds_that_count
-from stickslip_sym.output import markup
-from stickslip_sym.output.drawing import BLUE, finish, new_figure, picture
 from stickslip_sym.output.shown import HeadedRows
-from stickslip_sym.views import dispatch
+from stickslip_sym.views import dispatch, markup
+from stickslip_sym.views.drawing import BLUE, finish, new_figure, picture
 from stickslip_sym.views.measured import draw_rows, preview_of_measurements
 from stickslip_sym.views.model import draw_law
 

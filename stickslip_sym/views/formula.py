@@ -4,8 +4,8 @@ from textwrap import shorten
 
 from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.formula.derivation import Derivation, Step
-from stickslip_sym.output import markup, printing
-from stickslip_sym.views import dispatch
+from stickslip_sym.output import printing
+from stickslip_sym.views import dispatch, markup
 
 _LONGEST = 200  # characters of a result in a line of text
 

@@ -13,10 +13,9 @@ from stickslip_sym.motion.maps.motions import MotionMap
 from stickslip_sym.motion.maps.results_over_axes import ResultsOverAxes
 from stickslip_sym.motion.maps.sweep import BasinSweep
 from stickslip_sym.motion.regimes.attractors import Region
-from stickslip_sym.output import markup
-from stickslip_sym.output.drawing import picture
 from stickslip_sym.output.shown import HeadedRows
-from stickslip_sym.views import dispatch
+from stickslip_sym.views import dispatch, markup
+from stickslip_sym.views.drawing import picture
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

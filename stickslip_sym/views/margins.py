@@ -4,9 +4,8 @@ import math
 
 from stickslip_sym.motion.margins.critical import Critical
 from stickslip_sym.motion.margins.margins import Margin, Margins
-from stickslip_sym.output import markup
 from stickslip_sym.output.shown import HeadedRows
-from stickslip_sym.views import dispatch
+from stickslip_sym.views import dispatch, markup
 
 
 @dispatch.html.register(Critical)

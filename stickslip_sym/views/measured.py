@@ -5,10 +5,9 @@ from typing import TYPE_CHECKING
 
 from stickslip_sym.core.aliases import FloatArray, Rows
 from stickslip_sym.model.measured.measurements import Measurements
-from stickslip_sym.output import markup
-from stickslip_sym.output.drawing import finish, picture
 from stickslip_sym.output.shown import HeadedRows
-from stickslip_sym.views import dispatch
+from stickslip_sym.views import dispatch, markup
+from stickslip_sym.views.drawing import finish, picture
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

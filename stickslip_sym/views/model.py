@@ -17,10 +17,10 @@ from stickslip_sym.model.error_band import error_band
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import Catalogue
 from stickslip_sym.model.measured.measurements import Measurements
-from stickslip_sym.output import markup, printing
-from stickslip_sym.output.drawing import BLUE, finish, new_figure, save, styled
+from stickslip_sym.output import printing
 from stickslip_sym.output.notation import notation_of
-from stickslip_sym.views import dispatch
+from stickslip_sym.views import dispatch, markup
+from stickslip_sym.views.drawing import BLUE, finish, new_figure, save, styled
 from stickslip_sym.views.measured import draw_rows
 
 if TYPE_CHECKING:

@@ -1,8 +1,7 @@
 """What is shown of limit cycles in pure slip."""
 
 from stickslip_sym.motion.orbits.cycles import LimitCycle
-from stickslip_sym.output import markup
-from stickslip_sym.views import dispatch
+from stickslip_sym.views import dispatch, markup
 
 _UNITS = {"amplitude": "m/s", "period": "s", "floquet": "1/s"}
 

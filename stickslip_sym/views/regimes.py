@@ -4,9 +4,8 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip_sym.model.negative import note_at_rest
 from stickslip_sym.motion.regimes.regime import Regime
-from stickslip_sym.output import markup
-from stickslip_sym.output.drawing import picture
-from stickslip_sym.views import dispatch
+from stickslip_sym.views import dispatch, markup
+from stickslip_sym.views.drawing import picture
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

@@ -10,9 +10,8 @@ import numpy as np
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle
 from stickslip_sym.motion.simulation.trajectory import Event, Phase, Trajectories, Trajectory, dense
-from stickslip_sym.output import markup
-from stickslip_sym.output.drawing import empty_figure, finish, picture, save, styled
-from stickslip_sym.views import dispatch
+from stickslip_sym.views import dispatch, markup
+from stickslip_sym.views.drawing import empty_figure, finish, picture, save, styled
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

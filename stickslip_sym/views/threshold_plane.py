@@ -11,7 +11,7 @@ from stickslip_sym.comparison.plane import Plane, plane
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
-from stickslip_sym.output.drawing import BLUE, GREEN, ORANGE, finish, new_figure, styled
+from stickslip_sym.views.drawing import BLUE, GREEN, ORANGE, finish, new_figure, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,9 +9,8 @@ from stickslip_sym.model.negative import note_at_rest
 from stickslip_sym.motion.thresholds.methods import accuracy
 from stickslip_sym.motion.thresholds.threshold import Threshold
 from stickslip_sym.motion.thresholds.uncertainty import Budget, ranged
-from stickslip_sym.output import markup
 from stickslip_sym.output.shown import HeadedRows
-from stickslip_sym.views import dispatch
+from stickslip_sym.views import dispatch, markup
 
 _COLUMNS = ["operating point", "c in kg/s", "standard error", "method", "error of the method", "status"]
 

@@ -11,8 +11,8 @@ from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.cli.program import COMMANDS, program
-from stickslip_sym.output.browser import find_browser
 from stickslip_sym.output.content import content as content_of
+from stickslip_sym.views.pages.browser import find_browser
 
 EXPONENTIAL = ss.laws.exponential.typical()
 AT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}

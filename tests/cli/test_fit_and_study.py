@@ -108,7 +108,7 @@ def test_numbers_for_a_program(tmp_path, run):
 
 
 def test_without_a_browser_nothing_is_computed(tmp_path, run, monkeypatch):
-    from stickslip_sym.output import browser
+    from stickslip_sym.views.pages import browser
 
     monkeypatch.setattr(browser.shutil, "which", lambda name: None)
     code, out, err = run("study", "linear", "--pdf", "study.pdf")

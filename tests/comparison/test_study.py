@@ -16,8 +16,7 @@ from stickslip_sym.motion.margins import critical
 from stickslip_sym.motion.thresholds import methods
 from stickslip_sym.motion.thresholds.methods import evaluate
 from stickslip_sym.motion.thresholds.threshold import Threshold
-from stickslip_sym.output import browser
-from stickslip_sym.views import study_page
+from stickslip_sym.views.pages import browser, study_page
 
 OSC = ss.Oscillator(m=1, k=100, c=2, V=0.5, N=9.81)
 PARTS = ["headline", "verdict", "thresholds", "law", "sensitivities", "margins", "formulas", "assumed", "versions"]

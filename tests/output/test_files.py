@@ -12,7 +12,8 @@ from operating_points import paper_oscillator
 from systems import needs_links, needs_long_names, needs_modes
 
 import stickslip_sym as ss
-from stickslip_sym.output import drawing, files
+from stickslip_sym.output import files
+from stickslip_sym.views import drawing
 
 
 def test_a_null_byte_in_a_name_is_refused(tmp_path):

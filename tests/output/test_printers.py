@@ -21,8 +21,9 @@ from text_reader import read_text
 import stickslip_sym as ss
 from stickslip_sym.formula.code import writer
 from stickslip_sym.formula.code.languages import LANGUAGES as WRITTEN
-from stickslip_sym.output import abbreviation, latex_printer, layout, markup, printing, text_printer
+from stickslip_sym.output import abbreviation, latex_printer, layout, printing, text_printer
 from stickslip_sym.output.notation import notation_of
+from stickslip_sym.views import markup
 
 COUNT = int(os.environ.get("STICKSLIP_PRINTED", "100"))
 BATCH = 100  # formulas; one run of the compiler and of Octave for each

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from stickslip_sym.output.browser import find_browser
+from stickslip_sym.views.pages.browser import find_browser
 
 XHTML = {"m": "http://www.w3.org/1998/Math/MathML"}
 

@@ -21,7 +21,7 @@ from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
-from stickslip_sym.views.explorer import explorer
+from stickslip_sym.views.pages.explorer import explorer
 
 ERRORS = 10.0  # of a threshold, or of a critical value, on either side of which the fate of the slip is asked
 RESOLVED = 1e-11, 1e-12  # of a threshold and of sqrt(k m): what its error is taken for at least

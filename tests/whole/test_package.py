@@ -43,6 +43,12 @@ def test_imports_against_their_direction_are_noticed(tmp_path):
     assert (code, "stickslip_sym.motion is not allowed to import stickslip_sym.formula" in said) == (1, True)
 
 
+def test_views_alone_write_html():
+    marked = {name for name, path in MODULES.items() if re.search(r"</[a-z]+\d?>", path.read_text("utf-8"))}
+    assert "stickslip_sym.views.markup" in marked
+    assert {name for name in marked if not name.startswith("stickslip_sym.views.")} == set()
+
+
 def test_the_top_level_holds_what_it_should():
     """A file that a command wrote, and was committed with the rest, is noticed."""
     folders = {"derivations", "paper_checks", "stickslip_sym", "tests"}
@@ -80,7 +86,9 @@ def test_using_the_package_imports_no_extra():
         "ss.stick_slip_cycle(ss.laws.polynomial.typical(), ss.Oscillator(m=1, k=100, V=0.5, N=9.81))\n"
         "print(*sys.modules)"
     )
-    assert not {"matplotlib", "click", "rich", "dask"} & set(run(code).split())
+    loaded = run(code).split()
+    assert not {"matplotlib", "click", "rich", "dask"} & set(loaded)
+    assert [name for name in loaded if name.startswith("stickslip_sym.views")] == []
 
 
 def test_public_names_need_no_import_before():

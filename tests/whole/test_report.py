@@ -25,9 +25,9 @@ from paper_checks.report import page as page_of
 from paper_checks.terminal import verdicts
 from stickslip_sym import Status
 from stickslip_sym.comparison.compare import Row
-from stickslip_sym.output.drawing import svg_uri
-from stickslip_sym.output.markup import element, prose
-from stickslip_sym.output.page.render import versions
+from stickslip_sym.views.drawing import svg_uri
+from stickslip_sym.views.markup import element, prose
+from stickslip_sym.views.pages.render import versions
 
 ROOT = Path(__file__).parents[2]
 CHECKED = ("E3", "N1")  # cheap ones; the report tells of the others that they were not checked

@@ -24,8 +24,7 @@ from stickslip_sym.output.data import DataResult, TableResult
 from stickslip_sym.output.shown import Shown, views_of
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from stickslip_sym.output.shown import Axes, Figure
 
 _STILL = 1e-9  # m for each m that the belt moves in 1/omega: a smaller swing is rest
 _DENSE = 8  # points of a smooth curve for each step of an integration

@@ -14,7 +14,7 @@ from sweeps import sweep
 from uncertainties import ufloat
 
 import stickslip_sym as ss
-from stickslip_sym.views.explorer import explorer
+from stickslip_sym.views.pages.explorer import explorer
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1, "k": 100}
 _MOVED = """<script>

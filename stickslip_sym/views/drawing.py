@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.output.files import write_text
-from stickslip_sym.output.markup import Markup
+from stickslip_sym.views.markup import Markup
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -71,7 +71,7 @@ def styled(**more: Any) -> Any:
 
 def empty_figure(width: float, height: float) -> Any:
     """Return a figure of a size in inches, without axes."""
-    from stickslip_sym.output.notebook_figure import NotebookFigure
+    from stickslip_sym.views.notebook_figure import NotebookFigure
 
     return NotebookFigure(figsize=(width, height), layout="constrained")
 

@@ -20,12 +20,12 @@ from stickslip_sym.motion.regimes.regime import Regime
 from stickslip_sym.motion.simulation.trajectory import Phase, Trajectory
 from stickslip_sym.motion.thresholds.threshold import Threshold
 from stickslip_sym.output import printing
-from stickslip_sym.output.browser import print_to_pdf
-from stickslip_sym.output.drawing import finish, new_figure, styled, svg_uri
-from stickslip_sym.output.markup import Markup, element
-from stickslip_sym.output.page.render import equation, render, with_error
 from stickslip_sym.output.tables import duration
+from stickslip_sym.views.drawing import finish, new_figure, styled, svg_uri
+from stickslip_sym.views.markup import Markup, element
 from stickslip_sym.views.model import draw_law
+from stickslip_sym.views.pages.browser import print_to_pdf
+from stickslip_sym.views.pages.render import equation, render, with_error
 from stickslip_sym.views.threshold_plane import ABOVE, BAND, Look, draw_plane
 
 _TEMPLATE = Path(__file__).with_name("study_page.html")

@@ -12,7 +12,7 @@ import pytest
 from operating_points import paper_oscillator
 
 import stickslip_sym as ss
-from stickslip_sym.output import markup
+from stickslip_sym.views import markup
 
 
 def read(html):

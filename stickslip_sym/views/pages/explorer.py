@@ -32,9 +32,9 @@ from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.model.negative import warn_where_negative
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.averages import resolved_gauss_average
-from stickslip_sym.output.markup import Markup
-from stickslip_sym.output.page.render import render
 from stickslip_sym.output.tables import now
+from stickslip_sym.views.markup import Markup
+from stickslip_sym.views.pages.render import render
 
 _TEMPLATE = Path(__file__).with_name("explorer.html")
 _SCRIPTS = [Path(__file__).with_name(name) for name in ("slip.js", "explorer.js")]

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_sym.output.page import render
+from stickslip_sym.views.pages import render
 
 LEAST = 4.5
 """Contrast of text that WCAG 2.2 asks for (level AA)."""

@@ -16,7 +16,7 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.version import __version__
 from stickslip_sym.output import printing
-from stickslip_sym.output.markup import Markup, element, escaped, prose
+from stickslip_sym.views.markup import Markup, element, escaped, prose
 
 _PACKAGES = ("sympy", "mpmath", "numpy", "scipy", "matplotlib", "uncertainties")
 _FRAME = Path(__file__).parent
