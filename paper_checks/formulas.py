@@ -10,7 +10,7 @@ from sympy.printing.precedence import PRECEDENCE
 from derivations import paper
 from stickslip_sym.core.symbols import N, V, a, b, c, k, m, mu, t, u
 from stickslip_sym.views.markup import Markup
-from stickslip_sym.views.pages.render import formula
+from stickslip_sym.views.pages.render import math_element
 
 _VELOCITY, _ACCELERATION = sp.symbols("xdot xddot", real=True)
 _X_P, _X_Q, _V_P, _V_Q, _F, _X, _S = sp.symbols("x_P x_Q V_P V_Q f x S", real=True)
@@ -36,7 +36,7 @@ class PrintedEquation:
         texts = []
         for left, sign, right in self.relations:
             sides = [_as_printed(printed[side]) if isinstance(side, str) else side for side in (left, right)]
-            texts.append(formula(f" {sign} ".join(map(printer.doprint, sides))))
+            texts.append(math_element(f" {sign} ".join(map(printer.doprint, sides))))
         return Markup(" ".join(texts))
 
 

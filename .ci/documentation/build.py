@@ -19,7 +19,7 @@ import pdoc.render
 from pygments.formatters import HtmlFormatter
 
 import stickslip_sym as ss
-from stickslip_sym.views.pages.render import formula
+from stickslip_sym.views.pages.render import math_element
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
@@ -52,7 +52,7 @@ PAIR = re.compile(r'(<div class="pdoc-code codehilite">(?:(?!</div>).)*</div>)\s
 def displayed(match: re.Match) -> str:
     """Return a formula of its own line as MathML, with the number it has in the paper."""
     number = f" ({match[2]})" if match[2] else ""
-    return f'<div class="formula">{formula(match[1])}{number}</div>'
+    return f'<div class="formula">{math_element(match[1])}{number}</div>'
 
 
 def text_of(path: str) -> str:

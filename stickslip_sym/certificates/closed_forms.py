@@ -12,7 +12,7 @@ from textwrap import shorten
 
 import sympy as sp
 
-from stickslip_sym.certificates.python_printer import WIDTH, assignment, imports, line, python_code
+from stickslip_sym.certificates.python_printer import WIDTH, assignment, imports, python_code, script_line
 from stickslip_sym.certificates.script import SafeNames
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
@@ -141,7 +141,7 @@ class _Claim:
             kinds.setdefault(kind, []).append(self._name(x))
         for kind, names in kinds.items():
             maker = "sp.symbols" if len(names) > 1 else "Symbol"
-            yield line(f'{", ".join(names)} = {maker}("{" ".join(names)}", {kind}=True)')
+            yield script_line(f'{", ".join(names)} = {maker}("{" ".join(names)}", {kind}=True)')
 
     def _declare_above(self, x: Expr, bound: Expr) -> Iterator[str]:
         """Define a parameter by a positive number, the least that it may be added: a condition for an average."""
@@ -198,7 +198,7 @@ class _Claim:
                 yield from self._average(average)
             rows.append(f"    {self._row(term, average)},")
         yield "# mu is the sum of a g(v/b): a, b, values of the shapes of g, g, and the parts of its average"
-        yield "\n".join(["terms = [", *map(line, rows), "]"]) if rows else "terms = []"
+        yield "\n".join(["terms = [", *map(script_line, rows), "]"]) if rows else "terms = []"
 
     def _row(self, term: Term, average: Average | None) -> str:
         profile, parts = ("sp.Integer(1)", "[]")
@@ -243,7 +243,7 @@ class _Claim:
                 yield from self._average(step.by.source)
                 of = self.parts[step.by.source]
                 parts.append(f'("derivative", {profile}, g{of}, parts{of}, {self._name(step.by.variable)})')
-        yield line(f"parts{number} = [{', '.join(parts)}]")
+        yield script_line(f"parts{number} = [{', '.join(parts)}]")
 
     def _part_of(self, average: Average, step: Step) -> Expr:
         """Return the part of a profile that a step is about."""
@@ -276,7 +276,7 @@ class _Claim:
         for made in rows:
             name, meaning = self.names[made.symbol], meanings[made.symbol]
             text = f"({self.names[meaning[0]]}, {meaning[1]})" if isinstance(meaning, tuple) else in_code(meaning)
-            functions.append(line(f"    {name}: ({text}, {in_code(made.slope or sp.S.Zero)}),"))
+            functions.append(script_line(f"    {name}: ({text}, {in_code(made.slope or sp.S.Zero)}),"))
             if made.square is not None:
                 roots.append(f"{name}: {in_code(made.square)}")
         (n,) = proof.operator[0].gens
@@ -287,12 +287,12 @@ class _Claim:
             if rows
             else f"functions{label} = {{}}"
         )
-        yield line(f"roots{label} = {{{', '.join(roots)}}}")
+        yield script_line(f"roots{label} = {{{', '.join(roots)}}}")
         yield self.let(f"y{label}", proof.product.algebra.by_names(proof.product))
         yield "# sum a_i g^(i) = rest; the q_k of V F; how many terms they leave open; V F; its functions"
         equation = f"{in_list(proof.equation)}, {in_code(proof.rest.as_expr())}"
         data = f"{equation}, {in_list(proof.operator)}, {proof.count}, y{label}, functions{label}, roots{label}"
-        yield line(f"proof{label} = {data}")
+        yield script_line(f"proof{label} = {data}")
 
     def _declare_generators(self, average: Average, rows: Sequence[Generator]) -> Iterator[str]:
         fresh = []
@@ -304,7 +304,7 @@ class _Claim:
             self.names[made.symbol] = self.generators[meaning]
         if fresh:
             maker = "sp.symbols" if len(fresh) > 1 else "Symbol"
-            yield line(f'{", ".join(fresh)} = {maker}("{" ".join(fresh)}")')
+            yield script_line(f'{", ".join(fresh)} = {maker}("{" ".join(fresh)}")')
 
 
 def _folded(profile: Expr) -> Expr:

@@ -12,7 +12,7 @@ from textwrap import fill
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from stickslip_sym.certificates.python_printer import WIDTH, assignment, imports, line, python_code
+from stickslip_sym.certificates.python_printer import WIDTH, assignment, imports, python_code, script_line
 from stickslip_sym.certificates.script import SafeNames
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
@@ -93,11 +93,11 @@ def _script_lines(derivation: Derivation, functions: Sequence[Expr], names: dict
             unknowns = ", ".join(names[x] for x in step.by.unknowns)
             if step.by is not solved:
                 equations = ", ".join(map(text, step.by.equations))
-                yield line(f"(solution,) = sp.linsolve([{equations}], [{unknowns}])")
+                yield script_line(f"(solution,) = sp.linsolve([{equations}], [{unknowns}])")
             solved = step.by
             yield f"left = left.subs(dict(zip([{unknowns}], solution, strict=True)), simultaneous=True)"
         yield assignment(right := f"right_{number}", text(step.statement.rhs))
         yield f"check(vanishes(left - {right}), {message})"
         rights[python_code(step.statement.rhs, names)] = right
     yield ""
-    yield line(f"print({json.dumps(f'proved: {derivation.title}')})")
+    yield script_line(f"print({json.dumps(f'proved: {derivation.title}')})")

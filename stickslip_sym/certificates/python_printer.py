@@ -83,10 +83,10 @@ class _Powers(ast.NodeTransformer):
 
 def assignment(name: str, text: str) -> str:
     """Return an assignment on one line."""
-    return line(f"{name} = {formatted(text)}")
+    return script_line(f"{name} = {formatted(text)}")
 
 
-def line(text: str) -> str:
+def script_line(text: str) -> str:
     """Return a line of a script, which ruff leaves as it is where it is long."""
     return text if len(text) <= WIDTH else text + _LONG
 

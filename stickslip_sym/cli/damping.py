@@ -85,9 +85,9 @@ def _left_out(given: Given, method: str | None) -> tuple[str, ...]:
 
 
 def _draw(path: Path, threshold: Threshold[float]) -> None:
-    from stickslip_sym.views.drawing import save
+    from stickslip_sym.views.drawing import save_drawing
     from stickslip_sym.views.threshold_plane import figure_of_plane
 
     with show_progress("thresholds over the belt speed"):
         figure = figure_of_plane(threshold)
-    save(figure, path)
+    save_drawing(figure, path)

@@ -105,7 +105,7 @@ def _form_lines(form: ClosedForm) -> list[str]:
         shown = f"  c = average of the {form.law.curve} (--json has its cubics)"
         return [repr(form), "", shown, "", form.verdict.evidence]
     general, letters = form.readable
-    shown = abbreviation.formula("c", general.expr)
+    shown = abbreviation.indented_equation("c", general.expr)
     if len(shown) > _LONGEST:
         size = len(printing.text(general.expr))
         shown = f"{shown[:_LONGEST]}... ({size} characters; --latex and --json write it whole)"

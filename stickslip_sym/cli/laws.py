@@ -11,7 +11,7 @@ from stickslip_sym.cli.options import LAW_NAMES, Given, command, plot_option
 from stickslip_sym.cli.output import echo_json, say
 from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.model.operating_point import PAPER
-from stickslip_sym.output.tables import table
+from stickslip_sym.output.tables import aligned_table
 
 
 @command(
@@ -23,7 +23,7 @@ def run(given: Given) -> None:
 
     Example: stickslip laws hyperbolic
     """
-    from stickslip_sym.output.abbreviation import formula
+    from stickslip_sym.output.abbreviation import indented_equation
 
     name, plot = given["law"], None if given["law"] is None else given["plot"]
     given.reject_unused()
@@ -35,18 +35,22 @@ def run(given: Given) -> None:
     if given["json"]:
         echo_json("laws", laws=laws, **({"criteria": forms} if forms else {}))
     elif name is None:
-        say(table(["law", "mu(v)", "parameters"], [[str(law.name), law.text, _typical(law)] for law in laws]))
+        say(
+            aligned_table(
+                ["law", "mu(v)", "parameters"], [[str(law.name), law.text, _typical(law)] for law in laws]
+            )
+        )
     else:
         (law,) = laws
         rows = [[p.name, p.typical or "", p.unit or "", p.meaning] for p in law.parameters.values()]
-        parameters = table(["parameter", "typical", "unit", "meaning"], rows)
+        parameters = aligned_table(["parameter", "typical", "unit", "meaning"], rows)
         say(f"{law.name}: mu(v) = {law.text}\n\n{parameters}\n")
         say(f"validity: {law.validity}\nsource: {law.source}")
         for criterion, form in forms.items():
             if isinstance(form, NoClosedForm):
                 say(f"\n{criterion}: no closed form. {form}")
             else:
-                say(f"\n{criterion}, {form.verdict.status.value}\n{formula('c', form.expr)}")
+                say(f"\n{criterion}, {form.verdict.status.value}\n{indented_equation('c', form.expr)}")
 
 
 def _typical(law: ss.FrictionLaw) -> str:

@@ -13,7 +13,7 @@ from stickslip_sym.cli.arguments import point
 from stickslip_sym.cli.options import Given, option, read_number
 from stickslip_sym.cli.output import echo_found, show_progress
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.output.tables import table
+from stickslip_sym.output.tables import aligned_table
 
 if TYPE_CHECKING:
     from stickslip_sym.core.aliases import FloatArray
@@ -131,7 +131,7 @@ def report(motions: MotionMap) -> str:
     }
     parts = [
         "\n".join([*map("".join, letters), f"{y} upwards, {x} to the right"]),
-        *map(table, tables, tables.values()),
+        *map(aligned_table, tables, tables.values()),
     ]
     if motions.note:
         parts.append(motions.note)

@@ -1,7 +1,7 @@
 """The options of the commands, each declared once.
 
-A command is a function of `Given`, which notes the options that are read: `Given.all_used` refuses an option that
-does nothing here, so that none is dropped without a word.
+A command is a function of `Given`, which notes the options that are read: `Given.reject_unused` refuses an option
+that does nothing here, so that none is dropped without a word.
 """
 
 from __future__ import annotations

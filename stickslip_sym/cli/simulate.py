@@ -8,7 +8,7 @@ from stickslip_sym.cli import options
 from stickslip_sym.cli.arguments import point
 from stickslip_sym.cli.options import Given, option, read_number
 from stickslip_sym.cli.output import echo_found, show_progress
-from stickslip_sym.output.tables import table
+from stickslip_sym.output.tables import aligned_table
 
 if TYPE_CHECKING:
     from stickslip_sym.motion.simulation.trajectory import Trajectory
@@ -70,7 +70,7 @@ def _report(motion: "Trajectory", end: str | None, periods: list[float]) -> str:
     ]
     more = len(motion.events) - _MOST_ROWS
     lines = [
-        table(["t in s", "x in m", "v in m/s", "event", "phase that begins"], rows),
+        aligned_table(["t in s", "x in m", "v in m/s", "event", "phase that begins"], rows),
         f"and {more} more events\n" if more > 0 else "",
         f"motion: {motion.summary}" + ("" if end is None else f"; in the end: {end}"),
         f"outcome: {motion.outcome.value}, at t = {motion.t[-1]:.9g} s, {len(motion.events)} events",

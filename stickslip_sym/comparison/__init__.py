@@ -1,5 +1,5 @@
 """Every method for a number beside the others: its cost and its error.
 
-Imports all folders but `cli`. One more method is one row of `tradeoff`; one more part of the page is computed
-in `study`, kept by `Study`, and shown by its template.
+Imports `core`, `output`, `model`, `criteria`, `formula` and `motion`. One more method is one row of `tradeoff`;
+one more part of a study is computed in `study`, kept by `Study`, and shown by `study_page` of `views`.
 """

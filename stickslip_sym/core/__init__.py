@@ -1,4 +1,5 @@
-"""What everything stands on: errors, time limits, numbers as users give them, symbols, compiling an expression.
+"""What everything stands on: errors, time limits, numbers as users give them, symbols, the table of functions,
+balls.
 
 Imports nothing of the package. One more error is a class in `errors`, with what its message must say.
 """

@@ -1,7 +1,7 @@
 """The criteria, weights over which the falling slope of mu is averaged, and their values by quadrature.
 
-Imports `core`, `output` and `model`, and never sees a closed form. One more criterion is one `Criterion` in
-`criterion`; `ss.Criterion(name, weight)` is one outside the package.
+Imports `core`, `output`, `numerics` and `model`, and never sees a closed form. One more criterion is one
+`Criterion` in `criterion`; `ss.Criterion(name, weight)` is one outside the package.
 """
 
 import lazy_loader

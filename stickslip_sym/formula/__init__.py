@@ -2,5 +2,5 @@
 
 `proof` and `finding` come first, then `average`, which knows all of one profile under one criterion,
 `evaluation`, `code`, `slope_average` and `closed_form`, the sum of averages; each imports from those before it and
-from the folders below: `core`, `output`, `model`, `criteria`.
+from the folders below: `core`, `output`, `numerics`, `model` and `criteria`.
 """

@@ -12,9 +12,9 @@ from stickslip_sym.core.symbols import QUANTITIES, V, v
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal, prove_positive
 from stickslip_sym.formula.proof.theorems import By
 from stickslip_sym.output import printing
-from stickslip_sym.output.abbreviation import equation
+from stickslip_sym.output.abbreviation import displayed_equation
 from stickslip_sym.output.data import DataResult
-from stickslip_sym.output.layout import prose
+from stickslip_sym.output.layout import prose_latex
 from stickslip_sym.output.notation import distinct_notation, notation_of
 from stickslip_sym.output.shown import Shown, views_of
 
@@ -152,7 +152,7 @@ class Derivation(Shown, DataResult):
         parts = [f"\\paragraph{{{heading or title}.}}"]
         for step in self.steps:
             statement, written = step.statement, _hat_scaled_speeds(step, names)
-            shown = equation(
+            shown = displayed_equation(
                 printing.latex(statement.lhs, written),
                 statement.rhs,
                 written,
@@ -193,7 +193,7 @@ def _sentence_latex(
                 + shown
                 + _sentence_latex(after, others, known, names)
             )
-    return prose(text, known)
+    return prose_latex(text, known)
 
 
 def _hat_scaled_speeds(step: Step, names: Mapping[str, str]) -> dict[str, str]:

@@ -21,8 +21,8 @@ from stickslip_sym.formula.slope_average import SlopeAverage
 from stickslip_sym.formula.transition_speeds import Sign, transition_speeds
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.output import printing
-from stickslip_sym.output.abbreviation import equation
-from stickslip_sym.output.layout import LINE, displayed, key, prose, width
+from stickslip_sym.output.abbreviation import displayed_equation
+from stickslip_sym.output.layout import LINE, displayed, key, prose_latex, width
 from stickslip_sym.output.notation import check_known, notation_of
 
 _PREAMBLE = r"""\documentclass[10pt]{article}
@@ -155,7 +155,7 @@ def export_latex(
     --------
     >>> from stickslip_sym import derive
     >>> text = export_latex(derive("mu_s - a*v"), fragment=True, symbols={"V": "v_b"})
-    >>> text.count(r"\begin{equation}")
+    >>> text.count(r"\begin{displayed_equation}")
     2
     """
     listed = _as_list(forms, ClosedForm, "closed forms: derive(law)")
@@ -171,14 +171,14 @@ def export_latex(
         mark = next(label for label in numbered if label not in marks)
         marks.add(mark)
         names = notation_of([*every, *law.parameters], given)
-        heading = f"The law \\texttt{{{prose(law.name)}}}" if law.name else "The law"
+        heading = f"The law \\texttt{{{prose_latex(law.name)}}}" if law.name else "The law"
         chapter = [] if fragment else [f"\\section{{{heading}}}"]
         chapter += _describe_law(law, mark, names)
         for form in listed:
             if form.law == law:
                 chapter += _criterion_section(form, mark, given, steps, certificate)
         chapter += [
-            f"For the {prose(criterion.replace('_', '-'))} criterion no closed form was found; its value by "
+            f"For the {prose_latex(criterion.replace('_', '-'))} criterion no closed form was found; its value by "
             f"quadrature remains.\n% {' '.join(reason.split())}"
             for other, criterion, reason in missing
             if other == law
@@ -205,7 +205,7 @@ def _describe_law(law: FrictionLaw, mark: str, names: Mapping[str, str]) -> Iter
     )
     texts = {"Source": law.source, "Validity": law.validity}
     if any(texts.values()):
-        yield "\n".join(f"{word}: {prose(text, names)}." for word, text in texts.items() if text)
+        yield "\n".join(f"{word}: {prose_latex(text, names)}." for word, text in texts.items() if text)
     yield _symbol_table(law, names)
 
 
@@ -233,7 +233,7 @@ def _symbol_table(law: FrictionLaw, names: Mapping[str, str]) -> str:
 def _meaning(text: str, names: Mapping[str, str]) -> str:
     before, slip, after = text.replace("|x' - V|", "|V - x'|").partition("|V - x'|")
     speed = f"$|{names['V']} - \\dot{{{names['x']}}}|$" if slip else ""
-    return f"\\raggedright {prose(before, names)}{speed}{prose(after, names)}"
+    return f"\\raggedright {prose_latex(before, names)}{speed}{prose_latex(after, names)}"
 
 
 def _unit(text: str) -> str:
@@ -246,7 +246,7 @@ def criterion_latex(form: ClosedForm, label: str) -> str:
     """Return a closed form as one displayed equation, its long numbers as letters with their values below it."""
     shown, letters = form.readable
     names = notation_of(["c", *shown.arguments])
-    return equation(names["c"], shown.expr, names, label=label, letters=letters)
+    return displayed_equation(names["c"], shown.expr, names, label=label, letters=letters)
 
 
 def _criterion_section(
@@ -254,19 +254,19 @@ def _criterion_section(
 ) -> Iterator[str]:
     criterion, (shown, letters) = form.criterion, form.readable
     names = notation_of(["mu", *quantities.QUANTITIES, *shown.law.parameters], given)
-    source = f" ({prose(criterion.source, {'V': names['V']})})" if criterion.source else ""
+    source = f" ({prose_latex(criterion.source, {'V': names['V']})})" if criterion.source else ""
     label = f"eq:{mark}-{criterion.label}"
     lines = [
-        f"The {prose(criterion.name.replace('_', '-'))} criterion{source} is",
+        f"The {prose_latex(criterion.name.replace('_', '-'))} criterion{source} is",
         f"% exact: c = {printing.text(form.expr)}",
-        equation(names["c"], shown.expr, names, label=label, letters=letters),
+        displayed_equation(names["c"], shown.expr, names, label=label, letters=letters),
     ]
     lines += [f"Here {row.meaning}." for row in FUNCTIONS.values() if row.meaning and shown.expr.has(row.kind)]
     lines += [_hypergeometric_cases(z, names) for z in arguments_of_arctangents(shown.expr)]
     lines += [*_limit_sentences(shown, names), _vanishing(form, names)]
     kind = "Proof for Coq" if certificate.endswith(".v") else "Certificate"
-    note = f"\\footnote{{{kind}: \\texttt{{{prose(certificate)}}}.}}" if certificate else ""
-    lines.append(f"Verification: {form.verdict.status.value}; {prose(form.verdict.evidence)}.{note}")
+    note = f"\\footnote{{{kind}: \\texttt{{{prose_latex(certificate)}}}.}}" if certificate else ""
+    lines.append(f"Verification: {form.verdict.status.value}; {prose_latex(form.verdict.evidence)}.{note}")
     yield "\n".join(lines)
     if steps:
         yield form.derivation.latex(names, heading=f"Derivation of (\\ref{{{label}}})")

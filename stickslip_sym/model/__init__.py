@@ -1,7 +1,6 @@
 """What the user describes: a friction law, measured points, an oscillator, the catalogue of laws.
 
-Imports `core`, `output` and its own subpackages. One more law of the catalogue is one
-entry in `laws`.
+Imports `core`, `output` and `numerics`. One more law of the catalogue is one entry in `catalogue`.
 """
 
 import lazy_loader

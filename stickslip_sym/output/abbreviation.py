@@ -24,7 +24,7 @@ _INDENT = "  "
 Definitions = list[tuple[Expr, Expr]]
 
 
-def equation(
+def displayed_equation(
     left: str, right: Expr, names: Mapping[str, str], letters: Mapping[Expr, Expr] | None = None, **style: str
 ) -> str:
     """Return a displayed equation with a side that is LaTeX already, and the definitions that follow it.
@@ -44,7 +44,7 @@ def equation(
                 right = right.xreplace({power: symbol**power.exp})
                 definitions.append((symbol, power.base))
         right, terms = _summed(right, names)
-        right, definitions = _with_letters(right, [*definitions, *terms], names)
+        right, definitions = _assign_letters(right, [*definitions, *terms], names)
         known |= notation_of(symbol.name for symbol, _ in definitions)
     shown = displayed(left, latex(right, known), **style)
     used = set().union(right.free_symbols, *(value.free_symbols for _, value in definitions))
@@ -71,11 +71,11 @@ def _summed(expr: Expr, names: Mapping[str, str]) -> tuple[Expr, Definitions]:
     return expr.xreplace({term: symbol for symbol, term in terms}), terms
 
 
-def formula(left: str, expr: Expr) -> str:
+def indented_equation(left: str, expr: Expr) -> str:
     """Return an equation as indented text: ``left = expr``, in a long one letters for what stands repeatedly."""
     if len(text(expr)) <= _LONG:
         return f"{_INDENT}{left} = {text(expr)}"
-    expr, definitions = _with_letters(*_repeated(expr, is_long=len(text(expr)) > _MANY_LINES * _LONG), {})
+    expr, definitions = _assign_letters(*_repeated(expr, is_long=len(text(expr)) > _MANY_LINES * _LONG), {})
     where = [f"{_INDENT}where"] if definitions else []
     return "\n".join(
         [_wrapped(left, expr), *where, *(_wrapped(letter.name, value) for letter, value in definitions)]
@@ -124,7 +124,7 @@ def _is_root(node: Expr) -> bool:
     return bool(node.is_Pow and node.base.is_Add and sp.denom(node.exp) == 2)
 
 
-def _with_letters(expr: Expr, definitions: Definitions, names: Mapping[str, str]) -> tuple[Expr, Definitions]:
+def _assign_letters(expr: Expr, definitions: Definitions, names: Mapping[str, str]) -> tuple[Expr, Definitions]:
     """Call the symbols by a letter that begins no other name here, neither as it is given nor as it is printed."""
     own = {symbol for symbol, _ in definitions}
     others = set().union(expr.free_symbols, *(value.free_symbols for _, value in definitions)) - own

@@ -40,7 +40,7 @@ def read_bytes(path: Path, most: int) -> bytes:
     """
     name = repr(str(path))
     try:
-        with open(path, "rb", opener=_without_waiting) as stream:
+        with open(path, "rb", opener=_open_without_waiting) as stream:
             is_regular = stat.S_ISREG(os.fstat(stream.fileno()).st_mode)
             content = stream.read(most + 1) if is_regular else b""
     except OSError as error:
@@ -54,7 +54,7 @@ def read_bytes(path: Path, most: int) -> bytes:
     return content
 
 
-def _without_waiting(path: str, flags: int) -> int:
+def _open_without_waiting(path: str, flags: int) -> int:
     """Open a file; a pipe whose other end nobody has opened is not waited for."""
     return os.open(path, flags | getattr(os, "O_NONBLOCK", 0), 0o666)
 
@@ -62,7 +62,7 @@ def _without_waiting(path: str, flags: int) -> int:
 def _write_stream(path: Path, content: bytes) -> None:
     """Write to a pipe, a device or this process's own output."""
     own = _OWN.get(str(path))
-    number = os.dup(own) if own is not None else _without_waiting(str(path), os.O_WRONLY)
+    number = os.dup(own) if own is not None else _open_without_waiting(str(path), os.O_WRONLY)
     with open(number, "wb") as stream:
         if own is None and hasattr(os, "O_NONBLOCK"):
             os.set_blocking(stream.fileno(), True)  # a reader is there, and may be slow

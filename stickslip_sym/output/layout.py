@@ -176,7 +176,7 @@ _BETWEEN = {"=": "=", "+": "+", "/": "/"} | {
 """Signs that make one formula of what stands on either side."""
 
 
-def prose(text: str, names: Mapping[str, str] | None = None) -> str:
+def prose_latex(text: str, names: Mapping[str, str] | None = None) -> str:
     """Return plain words as LaTeX; names of symbols in them become mathematics, and relations between them too.
 
     - `names`: LaTeX of the symbols; single letters count only if they are among them.

@@ -49,7 +49,7 @@ class Views(Protocol):
 def views_of(result: object) -> Views:
     """Return the views of a result."""
     dispatch = import_module("stickslip_sym.views.dispatch")
-    dispatch.load(type(result))
+    dispatch.load_views(type(result))
     return cast("Views", dispatch)
 
 

@@ -18,7 +18,7 @@ _ROW = re.compile(r"\S {2,}\S")
 _EQUALS = "\0=\0"  # stands for " = " while lines are broken
 
 
-def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def aligned_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return rows of text under a header, in aligned columns with no trailing blanks.
 
     It is no wider than the terminal, without one than `WIDTH`, or than numbers of many digits ask for; longer

@@ -16,9 +16,9 @@ from stickslip_sym.comparison.tradeoff import Trade, Tradeoff
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.shown import HeadedRows
-from stickslip_sym.output.tables import table
+from stickslip_sym.output.tables import aligned_table
 from stickslip_sym.views import dispatch, markup
-from stickslip_sym.views.drawing import new_figure, picture, save
+from stickslip_sym.views.drawing import new_figure, picture, save_drawing
 from stickslip_sym.views.pages.study_page import page_of_study, print_page_of_study
 from stickslip_sym.views.threshold_plane import figure_of_plane
 
@@ -91,7 +91,7 @@ def parts_of_trade(trade: Trade) -> list[str | HeadedRows]:
 @dispatch.text.register(CrossCheck)
 def crosscheck_as_text(check: CrossCheck) -> str:
     """Return the table, and the remarks below it."""
-    return "\n".join([table(*table_of_methods(check)), *check.remarks])
+    return "\n".join([aligned_table(*table_of_methods(check)), *check.remarks])
 
 
 @dispatch.html.register(Comparison)
@@ -108,7 +108,7 @@ def plot_comparison(comparison: Comparison, path: str | Path | None, ax: None) -
         raise InputError("no method gave a threshold to draw; the reasons are in the rows")
     figure = figure_of_plane(found[-1])
     if path is not None:
-        save(figure, Path(path))
+        save_drawing(figure, Path(path))
     return figure
 
 

@@ -13,7 +13,7 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.output import tables
 from stickslip_sym.output.shown import HeadedRows
 from stickslip_sym.views import markup
-from stickslip_sym.views.drawing import new_figure, save, styled
+from stickslip_sym.views.drawing import new_figure, save_drawing, styled
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -31,7 +31,7 @@ _PANEL = 7.2, 5.6  # inches, of a figure of one panel
 
 
 @lru_cache
-def load(cls: type) -> None:
+def load_views(cls: type) -> None:
     """Import the views of a class of results: those of the folder where it, or the class that it extends, is."""
     for base in cls.__mro__:
         folder = f".{base.__module__}".split(".")[-2]
@@ -58,7 +58,7 @@ def line(result: object) -> str:
 @singledispatch
 def text(result: object) -> str:
     """Return a result as text, its parts one below the other."""
-    return "\n\n".join(part if isinstance(part, str) else tables.table(*part) for part in parts(result))
+    return "\n\n".join(part if isinstance(part, str) else tables.aligned_table(*part) for part in parts(result))
 
 
 @singledispatch
@@ -126,5 +126,5 @@ def plot(result: object, path: str | Path | None, ax: "Axes | None") -> "Figure"
         ax.legend(handles=draw(result, ax), fontsize=8)
         drawn = ax.figure  # type: ignore[assignment]  # of a subfigure, that
     if path is not None:
-        save(drawn, Path(path))
+        save_drawing(drawn, Path(path))
     return drawn

@@ -6,7 +6,7 @@ differ in style or width too, regions are hatched, and each is labelled.
 
 import io
 from base64 import b64encode
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,8 +16,6 @@ from stickslip_sym.output.files import write_text
 from stickslip_sym.views.markup import Markup
 
 if TYPE_CHECKING:
-    from matplotlib.artist import Artist
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
@@ -108,56 +106,6 @@ def svg_uri(figure: "Figure") -> str:
     return f"data:image/svg+xml;base64,{b64encode(_rendered(figure, 'svg')).decode()}"
 
 
-class Drawn:
-    """A result that has a picture: one panel, or a figure of several."""
-
-    def draw(self, ax: "Axes") -> "Sequence[Artist]":
-        """Draw it as a panel, and return the handles of its legend."""
-        raise InputError(f"{type(self).__name__} is drawn as a figure of several panels; leave ax out")
-
-    def _title(self) -> str:
-        """Return the title of a panel in a figure of its own."""
-        return ""
-
-    def plot(self, path: str | Path | None = None, *, ax: "Axes | None" = None) -> "Figure":
-        """Draw it: regions or basins in colours and hatching, curves between them, orbits, or costs.
-
-        Parameters
-        ----------
-        path : str or Path, optional
-            A file to draw to: SVG, PNG or PDF, by its ending.
-        ax : matplotlib.axes.Axes, optional
-            Axes of a figure of your own to draw a panel in, with the legend inside them.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-
-        Raises
-        ------
-        InputError
-            If matplotlib is not installed, or cannot write the file.
-        """
-        if ax is None:
-            with styled():
-                figure = self._figure()
-        else:
-            ax.legend(handles=self.draw(ax), fontsize=8)
-            figure = ax.figure  # type: ignore[assignment]  # of a subfigure, that
-        if path is not None:
-            save(figure, Path(path))
-        return figure
-
-    def _figure(self) -> "Figure":
-        figure, axes = new_figure(*_PANEL)
-        handles = self.draw(axes[0, 0])
-        axes[0, 0].set_title(self._title(), fontsize=10)
-        figure.legend(
-            handles=handles, loc="outside lower center", ncols=2, fontsize=8, handlelength=3, handleheight=1.6
-        )
-        return figure  # type: ignore[no-any-return]
-
-
 def picture(draw: "Callable[[], Figure]", alt: str) -> Markup:
     """Return a drawing as HTML that holds it; nothing where matplotlib is missing, or there is nothing to draw.
 
@@ -173,7 +121,7 @@ def picture(draw: "Callable[[], Figure]", alt: str) -> Markup:
     return Markup(f'<img src="data:image/png;base64,{content}" alt="{escape(alt)}"/>')
 
 
-def save(figure: "Figure", path: Path) -> None:
+def save_drawing(figure: "Figure", path: Path) -> None:
     """Write a drawing to a file, in the format of its name; refuse a format that matplotlib does not know."""
     path = path if path.suffix else path.with_suffix(".png")
     try:

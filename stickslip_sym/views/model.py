@@ -20,7 +20,7 @@ from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.output import printing
 from stickslip_sym.output.notation import notation_of
 from stickslip_sym.views import dispatch, markup
-from stickslip_sym.views.drawing import BLUE, finish, new_figure, save, styled
+from stickslip_sym.views.drawing import BLUE, finish, new_figure, save_drawing, styled
 from stickslip_sym.views.measured import draw_rows
 
 if TYPE_CHECKING:
@@ -109,5 +109,5 @@ def plot_law(law: FrictionLaw, path: str | Path | None, ax: "Axes | None", v_max
         draw_law(ax, law, top, None, band, law.name or law.text[:_LONGEST_NAME])
         figure: Any = ax.figure
         if path is not None:
-            save(figure, Path(path))
+            save_drawing(figure, Path(path))
     return figure  # type: ignore[no-any-return]

@@ -11,7 +11,7 @@ from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle
 from stickslip_sym.motion.simulation.trajectory import Event, Phase, Trajectories, Trajectory, dense
 from stickslip_sym.views import dispatch, markup
-from stickslip_sym.views.drawing import empty_figure, finish, picture, save, styled
+from stickslip_sym.views.drawing import empty_figure, finish, picture, save_drawing, styled
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -89,7 +89,7 @@ def plot_trajectory(
         finish(ax, xlabel=_LABELS["t"], ylabel=_LABELS["v"])
         figure = ax.figure  # type: ignore[assignment]  # of a subfigure, that
     if path is not None:
-        save(figure, Path(path))
+        save_drawing(figure, Path(path))
     return figure
 
 

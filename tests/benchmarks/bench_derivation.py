@@ -12,7 +12,7 @@ import sympy as sp
 
 import stickslip_sym as ss
 from stickslip_sym import criteria, symbols
-from stickslip_sym.output.tables import duration, table
+from stickslip_sym.output.tables import aligned_table, duration
 
 LIMIT = 30.0  # seconds that SymPy gets for an integral
 NAMES = [name for name, law in ss.laws.catalogue.items() if law.expr.has(symbols.v)]
@@ -66,4 +66,4 @@ def row(name, criterion):
 if __name__ == "__main__":
     header = ["law", "criterion", "derive", "is", "operations", "sympy.integrate", "is", "operations"]
     rows = [row(name, criterion) for criterion in ("least_squares", "harmonic") for name in NAMES]
-    print(table(header, rows))
+    print(aligned_table(header, rows))

@@ -200,9 +200,9 @@ def test_lines_break_at_the_outermost_sum():
     ],
 )  # fmt: skip
 def test_prose(text, latex):
-    assert layout.prose(text, {"v": "v", "v_s": "v_s", "a": "a", "mu": r"\mu"}) == latex
+    assert layout.prose_latex(text, {"v": "v", "v_s": "v_s", "a": "a", "mu": r"\mu"}) == latex
     with pytest.raises(ss.InputError, match="the character 'Ж' has no sign"):
-        layout.prose("Жуков")
+        layout.prose_latex("Жуков")
 
 
 def test_a_wrong_formula_is_seen():

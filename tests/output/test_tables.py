@@ -44,7 +44,7 @@ def test_cells_of_a_table_are_read_back(seed):
     chance = random.Random(seed)
     header = ["row", *(f"h{number}" for number in range(chance.randint(1, 4)))]
     rows = [[str(row), *(cell(chance) for _ in header[1:])] for row in range(chance.randint(1, 5))]
-    text = tables.table(header, rows)
+    text = tables.aligned_table(header, rows)
     assert max(map(len, text.splitlines())) <= tables.WIDTH
     assert read(text, header) == [[content.replace(" ", "") for content in row] for row in rows]
     assert not re.search(r" $", text, re.M)
@@ -69,7 +69,7 @@ def test_a_long_formula_can_be_read_back(seed):
         sp.Add(*(chance.randint(1, 9) * chance.choice(SYMBOLS) ** power for power in range(5))) for _ in "abc"
     ]
     expr = sum_of(chance, [*blocks, *(sum_of(chance, blocks) ** 2 + 1 for _ in "ab")])
-    shown, text, known = abbreviation.formula("c", expr), printing.text(expr), dict(POINT)
+    shown, text, known = abbreviation.indented_equation("c", expr), printing.text(expr), dict(POINT)
     first, *definitions = re.split(r"\n  (?:where\n  )?(?=\w+ =)", shown.strip())
     with mpmath.workdps(60):  # for exponentials of exponentials
         for equation in [*definitions, first]:
@@ -85,15 +85,15 @@ def test_a_long_formula_can_be_read_back(seed):
 def test_repeated_blocks_have_one_letter():
     block = sp.Add(*(number * V**number * sp.exp(-number * G) for number in range(1, 9)))
     waves = sum(sp.sin(number * V) * W**number for number in range(1, 25))
-    shown = abbreviation.formula("c", N / block + sp.sqrt(block) * MU + Q * block * waves)
+    shown = abbreviation.indented_equation("c", N / block + sp.sqrt(block) * MU + Q * block * waves)
     assert shown.count("exp(-7*g_1)") == 1
     assert re.search(r"^  where\n  p =", shown, re.M)  # q is taken
-    assert abbreviation.formula("c", N * MU - V) == f"  c = {printing.text(N * MU - V)}"
+    assert abbreviation.indented_equation("c", N * MU - V) == f"  c = {printing.text(N * MU - V)}"
 
 
 def test_a_table_shows_nothing_by_itself_in_jupyter(monkeypatch):
     monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
     shown = []
     monkeypatch.setattr("rich.jupyter.display", lambda *given: shown.append(given))
-    assert "mu_s" in tables.table(["name", "value"], [["mu_s", "0.5"]])
+    assert "mu_s" in tables.aligned_table(["name", "value"], [["mu_s", "0.5"]])
     assert shown == []

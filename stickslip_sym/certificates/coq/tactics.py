@@ -41,8 +41,10 @@ _ALWAYS = ("tactics",)
 _WORDS_OF = {"hyperbolic": ("tanh", "sinh", "cosh"), "bounds": ("scaled",), "arcsinh": ("arcsinh",)}
 """What stands in a script that needs a part of the library, beside the names that the part makes."""
 
-_VALUES = {"exp": "0", "ln": "1", "atan": "0", "arcsinh": "0", "erf": "0", "sqrt": "1", "power": "0"}
-_VALUES |= {"lower_gamma": "0", "sin": "0", "cos": "0"}
+_VALUES = {
+    "exp": "0", "ln": "1", "atan": "0", "arcsinh": "0", "erf": "0", "sqrt": "1", "power": "0", "lower_gamma": "0",
+    "sin": "0", "cos": "0",
+}  # fmt: skip
 """Arguments at which the library, or Coq's own, has a lemma on the value of a function."""
 
 ROOT_OF_PRODUCT = "rewrite ?sqrt_mult by (solve [assumption | apply Rlt_le; positive])"

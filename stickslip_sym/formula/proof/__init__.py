@@ -1,4 +1,4 @@
-"""Steps with verdicts, proofs and refutations, and `derive`, which joins them to a closed form.
+"""Equations proved or refuted, the theorems that proofs use, and the gate that every proposed formula passes.
 
 One more theorem for proofs is one callable of the type `theorems.By`.
 """

@@ -26,7 +26,7 @@ from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, Undecided
 from stickslip_sym.motion.thresholds.operating_points import VANISHING
 from stickslip_sym.output import printing
 from stickslip_sym.output.data import DataResult
-from stickslip_sym.output.layout import prose
+from stickslip_sym.output.layout import prose_latex
 from stickslip_sym.output.notation import latex_name
 
 _BITS = (40, 100, 250, 600)  # of a decision, beyond those of its distance from the threshold, until one falls
@@ -116,10 +116,10 @@ class Theorem(DataResult):
         """Return the theorem and its proof as LaTeX paragraphs."""
         values = ", ".join(f"${latex_name(name)} = {value}$" for name, value in self.values.items())
         formula = self.law.curve is None
-        mu = f"${printing.latex(self.law.expr, inline=True)}$" if formula else prose(self.law.text)
+        mu = f"${printing.latex(self.law.expr, inline=True)}$" if formula else prose_latex(self.law.text)
         names = {name: name for name in ("P", "c")}
-        items = "\n".join(f"  \\item {prose(line, names)}." for line in self.proof)
-        theorem = f"Let $\\mu(v)$ be {mu}, with {values} in SI units. {prose(self.statement, names)}"
+        items = "\n".join(f"  \\item {prose_latex(line, names)}." for line in self.proof)
+        theorem = f"Let $\\mu(v)$ be {mu}, with {values} in SI units. {prose_latex(self.statement, names)}"
         proof = f"\\begin{{itemize}}\n{items}\n\\end{{itemize}}"
         return f"\\paragraph{{Theorem.}} {theorem}\n\\paragraph{{Proof.}}\n{proof}\n"
 

@@ -50,7 +50,13 @@ def render(template: Path, **values: Any) -> str:
         undefined=StrictUndefined, keep_trailing_newline=True,
         finalize=lambda value: value if hasattr(value, "__html__") else Markup(escaped(str(value), quote=True)),
     )  # fmt: skip
-    filters = {"number": number, "percent": percent, "prose": prose, "symbol": symbol, "with_error": with_error}
+    filters = {
+        "number": number,
+        "percent": percent,
+        "prose": prose,
+        "symbol": symbol,
+        "with_error": number_with_error,
+    }
     environment.filters |= filters
     environment.tests["finite"] = math.isfinite
     sheets = [sheet for sheet in (_FRAME / "page.css", template.with_suffix(".css")) if sheet.is_file()]
@@ -77,7 +83,7 @@ def percent(value: float | None, form: str = "+.3g") -> Markup:
     return element("data", f"{100 * value:{form}} %".replace("-", "−"), value=repr(float(value)))
 
 
-def with_error(value: float, error: float | None) -> Markup:
+def number_with_error(value: float, error: float | None) -> Markup:
     """Return a number with its standard error, both to two digits of that; alone if there is none."""
     if error is None or not error > 0 or not math.isfinite(error):
         return number(value)
@@ -87,7 +93,7 @@ def with_error(value: float, error: float | None) -> Markup:
     return Markup(f"{number(value, f'.{decimals}f')}\u00a0±\u00a0{number(error, f'.{decimals}f')}")
 
 
-def formula(latex: str, *, block: bool = True) -> Markup:
+def math_element(latex: str, *, block: bool = True) -> Markup:
     """Return LaTeX as an element ``math``, or refuse it without latex2mathml."""
     require_templates()
     from latex2mathml.converter import convert
@@ -99,12 +105,12 @@ def symbol(name: str) -> Markup:
     """Return the name of a quantity or parameter as a formula has it."""
     import sympy as sp
 
-    return formula(printing.latex(sp.Symbol(name)), block=False)
+    return math_element(printing.latex(sp.Symbol(name)), block=False)
 
 
 def equation(left: Expr, right: Expr) -> Markup:
     """Return an equation of two expressions as an element ``math``."""
-    return formula(f"{printing.latex(left)} = {printing.latex(right)}")
+    return math_element(f"{printing.latex(left)} = {printing.latex(right)}")
 
 
 def versions() -> dict[str, str]:

@@ -25,7 +25,7 @@ from stickslip_sym.views.drawing import finish, new_figure, styled, svg_uri
 from stickslip_sym.views.markup import Markup, element
 from stickslip_sym.views.model import draw_law
 from stickslip_sym.views.pages.browser import print_to_pdf
-from stickslip_sym.views.pages.render import equation, render, with_error
+from stickslip_sym.views.pages.render import equation, number_with_error, render
 from stickslip_sym.views.threshold_plane import ABOVE, BAND, Look, draw_plane
 
 _TEMPLATE = Path(__file__).with_name("study_page.html")
@@ -46,7 +46,7 @@ def page_of_study(study: Study) -> str:
         _TEMPLATE,
         title=f"Stick–slip study: {title}",
         study=study,
-        value=lambda name: with_error(study.value(name), study.standard_error(name)),
+        value=lambda name: number_with_error(study.value(name), study.standard_error(name)),
         units=QUANTITIES,
         digits=_digits,
         duration=duration,
