@@ -235,7 +235,7 @@ class _Claim:
                 parts.append(f'("antiderivatives", {profile}, [{names}])')
             elif isinstance(step.by, AverageSeries) and step.by.proof is not None and not _is_power(step.by.term):
                 yield from self._series(average, step.by, step.by.proof, label)
-                constant = self.exact(average._in_shapes(step.by.constant))
+                constant = self.exact(average.in_shapes(step.by.constant))
                 parts.append(f'("series", {profile}, {constant}, *proof{label})')
             elif isinstance(step.by, AverageSeries):
                 parts.append(f'("moments", {profile})')
@@ -248,23 +248,23 @@ class _Claim:
     def _part_of(self, average: Average, step: Step) -> Expr:
         """Return the part of a profile that a step is about."""
         if isinstance(step.by, AverageSeries):
-            return average._in_shapes(step.by.constant * step.by.term)
+            return average.in_shapes(step.by.constant * step.by.term)
         integrals = step.statement.lhs.atoms(sp.Integral)
         (integral,) = integrals
         if self.criterion.is_polynomial:
-            return average._in_shapes(integral.function / self.criterion.kernel)
+            return average.in_shapes(integral.function / self.criterion.kernel)
         speed = symbols.V * (1 - sp.cos(symbols.theta))
-        return average._in_shapes((integral.function / self.criterion.angle_kernel).subs(speed, symbols.v))
+        return average.in_shapes((integral.function / self.criterion.angle_kernel).subs(speed, symbols.v))
 
     def _antiderivatives(self, average: Average, by: PieceByPiece, label: str) -> Iterator[str]:
         for i, primitive in enumerate(by.primitives):
-            yield self.let(f"A{label}_{i}", average._in_shapes(primitive))
+            yield self.let(f"A{label}_{i}", average.in_shapes(primitive))
 
     def _series(self, average: Average, by: AverageSeries, proof: SeriesProof, label: str) -> Iterator[str]:
         """Write the equations of g and of its average, and y = V F(V) in functions of V with their slopes."""
 
         def in_code(expr: Expr) -> str:
-            return self.code(average._in_shapes(expr))
+            return self.code(average.in_shapes(expr))
 
         def in_list(polynomials: Sequence[sp.Poly]) -> str:
             return f"[{', '.join(in_code(a.as_expr()) for a in polynomials)}]"
@@ -297,7 +297,7 @@ class _Claim:
     def _declare_generators(self, average: Average, rows: Sequence[Generator]) -> Iterator[str]:
         fresh = []
         for made in rows:
-            meaning = average._in_shapes(made.meaning)
+            meaning = average.in_shapes(made.meaning)
             if meaning not in self.generators:
                 self.generators[meaning] = self._safe.new(_generator(meaning))
                 fresh.append(self.generators[meaning])

@@ -84,7 +84,7 @@ class Average:
             if not slope.has(sp.Function):  # (1 + v^2)^(-3/2), where a difference of two terms cancels
                 slope = min(slope, factored(slope), key=sp.count_ops)
             return -mean_slope_at_kinks(slope).xreplace({symbols.v: symbols.V})
-        return self._in_shapes(sp.Add(*[part.value for part in parts]))
+        return self.in_shapes(sp.Add(*[part.value for part in parts]))
 
     @cached_property
     def rates(self) -> dict[Expr, tuple[Expr, Expr]]:
@@ -128,7 +128,7 @@ class Average:
             if p is not sp.false
         ]
 
-    def _in_shapes(self, expr: Expr) -> Expr:
+    def in_shapes(self, expr: Expr) -> Expr:
         """Write what was found under the conditions in the shapes again."""
         return expr.xreplace({slack: sign * (shape - bound) for shape, bound, slack, sign in self._slack})
 
@@ -230,7 +230,7 @@ class Average:
                 reason = f"the antiderivative is found {reason}"
             elif isinstance(part.by, AverageSeries) and verdict.status is Status.PROVED:
                 reason += f"; {AVERAGES_AGREE}"
-        statement = self._in_shapes(sp.Eq(part.integral, part.value, evaluate=False))
+        statement = self.in_shapes(sp.Eq(part.integral, part.value, evaluate=False))
         return Step(operation, reason, statement, verdict, by=part.by, formulas=(self.profile,))
 
     def __repr__(self) -> str:

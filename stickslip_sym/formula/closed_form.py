@@ -460,7 +460,7 @@ class ClosedForm(Shown, SlopeAverage):
         return f"{super().described}\nc = {printing.text(self.expr)}"
 
     def _repr_latex_(self) -> str:
-        return views_of(self).latex(self)
+        return views_of(self).notebook_latex(self)
 
     def __repr__(self) -> str:
         return f"{super().__repr__()}, {self.verdict.status.value}"

@@ -60,10 +60,10 @@ class Step(DataResult):
     meanings: tuple[Mapping[Expr, Expr], ...] = ()
 
     def __repr__(self) -> str:
-        return views_of(self).line(self)
+        return views_of(self).one_line(self)
 
     def _repr_latex_(self) -> str:
-        return views_of(self).latex(self)
+        return views_of(self).notebook_latex(self)
 
 
 @dataclass
@@ -172,7 +172,7 @@ class Derivation(Shown, DataResult):
         return distinct_notation((symbol.name for symbol in symbols if not symbol.is_Dummy), given or {})
 
     def _repr_latex_(self) -> str:
-        return views_of(self).latex(self)
+        return views_of(self).notebook_latex(self)
 
     def __repr__(self) -> str:
         return f"Derivation: {self.name}, {len(self.steps)} steps, {self.status.value}"

@@ -77,6 +77,8 @@ class FrictionLaw(Shown, DataResult):
     expr : sympy.Expr
         The coefficient as an expression in the slip speed and the parameters.
     static : sympy.Expr or None
+    formula, static_formula : str or None
+        The texts from which these were read; None for what was computed of another law.
     curve : SampledCurve or None
         The curve through measured points; None for a law that is a formula.
     name, source, validity : str or None
@@ -109,8 +111,8 @@ class FrictionLaw(Shown, DataResult):
             require_type(key, value, str | None, "text")
         described = _described(parameters, units)
         table = dict(described)
-        self._formula: str | None = as_text(formula)
-        self.expr = read_formula(self._formula, table)
+        self.formula: str | None = as_text(formula)
+        self.expr = read_formula(self.formula, table)
         self._read_static(static, table)
         self.curve: SampledCurve | None = None
         about = (None if value is None else printable(value) for value in (name, source, validity))
@@ -188,8 +190,8 @@ class FrictionLaw(Shown, DataResult):
         return cls.from_samples(*measured.points(), extrapolate=extrapolate, name=name, source=source)
 
     def _read_static(self, static: str | float | Expr | None, table: dict[str, Parameter]) -> None:
-        self._static_formula = None if static is None else as_text(static)
-        formula = self._static_formula
+        self.static_formula = None if static is None else as_text(static)
+        formula = self.static_formula
         self.static: Expr | None = None if formula is None else read_formula(formula, table, constant=True)
 
     def _take(self, table: Mapping[str, Parameter], described: Iterable[str]) -> None:
@@ -299,7 +301,7 @@ class FrictionLaw(Shown, DataResult):
             law.expr = symbols.v * self.slope_expr - self.expr
         else:
             law.expr = rate(self.expr, self._parameters[name].symbol)
-        law.curve = law.static = law._formula = law._static_formula = None
+        law.curve = law.static = law.formula = law.static_formula = None
         return law
 
     # -- values --------------------------------------------------------------------------------------
@@ -343,6 +345,12 @@ class FrictionLaw(Shown, DataResult):
         if not bound.expr.free_symbols & {bound.parameters[key].symbol for key in bound.missing}:
             bound.kinetic.require_kinks()
         return bound
+
+    def with_errors(self, uncertain: Mapping[str, UFloat]) -> Self:
+        """Return the law with these standard errors; to `bind` them would round its exact values to doubles."""
+        law = copy.copy(self)
+        law._uncertain = dict(uncertain)
+        return law
 
     def typical(self, **values: Number | UFloat) -> Self:
         """Return the law with its typical values wherever neither `bind` nor `values` gives one."""
@@ -460,10 +468,10 @@ class FrictionLaw(Shown, DataResult):
         return views_of(self).plot(self, path, ax, v_max=v_max)
 
     def _repr_latex_(self) -> str:
-        return views_of(self).latex(self)
+        return views_of(self).notebook_latex(self)
 
     def __repr__(self) -> str:
-        return views_of(self).line(self)
+        return views_of(self).one_line(self)
 
     # -- comparing ----------------------------------------------------------------------
 

@@ -24,12 +24,12 @@ def law_out(law: FrictionLaw) -> dict[str, object]:
     content: dict[str, object] = {key: getattr(law, key) for key in _ABOUT} | {
         "parameters": [asdict(parameter) for parameter in law.parameters.values()],
         "values": {name: str(value) for name, value in law.values.items()},
-        "static": law._static_formula,
+        "static": law.static_formula,
     }
     if law.uncertain:
         content["errors"] = _errors_out(law.uncertain)
     if law.curve is None:
-        return content | {"formula": law._formula or text(law.expr)}
+        return content | {"formula": law.formula or text(law.expr)}
     cubics = [[str(coefficient) for coefficient in cubic] for cubic in law.curve.cubics]
     end = None if law.curve.end is None else str(law.curve.end)
     return content | {"places": [str(place) for place in law.curve.places], "cubics": cubics, "end": end}
@@ -53,7 +53,7 @@ def law_in(content: dict[str, Any]) -> FrictionLaw:
         law = FrictionLaw(content["formula"], static=static, parameters=parameters, **about)
     law = law.bind(**content["values"])
     if "errors" in content:
-        law._uncertain = _errors_in(content["errors"], law)  # to bind them would round the values to doubles
+        law = law.with_errors(_errors_in(content["errors"], law))
     return law
 
 

@@ -21,16 +21,16 @@ HeadedRows = tuple[list[str], list[list[str]]]
 class Views(Protocol):
     """What can be shown of a result; `stickslip_sym.views.dispatch` has these functions, for each class."""
 
-    def line(self, result: object) -> str:
+    def one_line(self, result: object) -> str:
         """Return a result in a line, for a terminal."""
 
-    def text(self, result: object) -> str:
+    def plain_text(self, result: object) -> str:
         """Return a result as sentences and tables."""
 
-    def html(self, result: object) -> str:
+    def notebook_html(self, result: object) -> str:
         """Return a result as HTML, for a notebook."""
 
-    def latex(self, result: object) -> str:
+    def notebook_latex(self, result: object) -> str:
         """Return a result as LaTeX, for a notebook."""
 
     def draw(self, result: object, ax: "Axes", *given: Any, **how: Any) -> "Sequence[Artist]":
@@ -57,14 +57,14 @@ class Shown:
     """A result that notebooks show."""
 
     def _repr_html_(self) -> str:
-        return views_of(self).html(self)
+        return views_of(self).notebook_html(self)
 
 
 class Report(Shown):
     """A result that says what it says in sentences and tables."""
 
     def __str__(self) -> str:
-        return views_of(self).text(self)
+        return views_of(self).plain_text(self)
 
 
 class Drawn(Shown):

@@ -88,16 +88,16 @@ def parts_of_trade(trade: Trade) -> list[str | HeadedRows]:
     return [trade.title, table_of_methods(trade)]
 
 
-@dispatch.text.register(CrossCheck)
+@dispatch.plain_text.register(CrossCheck)
 def crosscheck_as_text(check: CrossCheck) -> str:
     """Return the table, and the remarks below it."""
     return "\n".join([aligned_table(*table_of_methods(check)), *check.remarks])
 
 
-@dispatch.html.register(Comparison)
+@dispatch.notebook_html.register(Comparison)
 def comparison_as_html(comparison: Comparison) -> str:
     """Return the table."""
-    return markup.block(markup.table(*table_of_methods(comparison), caption=repr(comparison)))
+    return markup.block(markup.html_table(*table_of_methods(comparison), caption=repr(comparison)))
 
 
 @dispatch.plot.register(Comparison)
@@ -115,14 +115,14 @@ def plot_comparison(comparison: Comparison, path: str | Path | None, ax: None) -
 # -- costs ---------------------------------------------------------------------------------------------
 
 
-@dispatch.text.register(Tradeoff)
+@dispatch.plain_text.register(Tradeoff)
 def tradeoff_as_text(found: Tradeoff) -> str:
     """Return a table for each number, and why there is none for others."""
     none = [f"{kind}: none: {reason}" for kind, reason in found.refused.items()]
     return "\n\n".join([*map(str, found.trades.values()), *none])
 
 
-@dispatch.html.register(Tradeoff)
+@dispatch.notebook_html.register(Tradeoff)
 def tradeoff_as_html(found: Tradeoff) -> str:
     """Return the picture, and the tables below it."""
     tables = [markup.Markup(comparison_as_html(trade)) for trade in found.trades.values()]
@@ -174,7 +174,7 @@ dispatch.page.register(Study, page_of_study)
 dispatch.print_page.register(Study, print_page_of_study)
 
 
-@dispatch.text.register(Study)
+@dispatch.plain_text.register(Study)
 def study_as_text(study: Study) -> str:
     """Return warnings, the decision, the operating point, and what else was found."""
     values = {name: study.value(name) for name in ("c", "V", "N", "m", "k")}
@@ -183,8 +183,8 @@ def study_as_text(study: Study) -> str:
     return "\n".join([*(f"warning: {text}" for text in study.warnings), headline, point, *others])
 
 
-@dispatch.html.register(Study)
+@dispatch.notebook_html.register(Study)
 def study_as_html(study: Study) -> str:
     """Return the text, and the threshold by every method."""
     answers = [[row.name, row.text("value", ".10g")] for row in study.answers]
-    return markup.block(*str(study).splitlines(), markup.table(["method", "c in kg/s"], answers))
+    return markup.block(*str(study).splitlines(), markup.html_table(["method", "c in kg/s"], answers))

@@ -50,31 +50,31 @@ def parts(result: object) -> list[str | HeadedRows]:
 
 
 @singledispatch
-def line(result: object) -> str:
+def one_line(result: object) -> str:
     """Return a result in a line, for a terminal."""
     raise TypeError(f"there is no line for a {type(result).__name__}")
 
 
 @singledispatch
-def text(result: object) -> str:
+def plain_text(result: object) -> str:
     """Return a result as text, its parts one below the other."""
     return "\n\n".join(part if isinstance(part, str) else tables.aligned_table(*part) for part in parts(result))
 
 
 @singledispatch
-def html(result: object) -> str:
+def notebook_html(result: object) -> str:
     """Return a result as HTML, its parts one below the other."""
     return parts_as_html(result)
 
 
 def parts_as_html(result: object) -> markup.Markup:
     """Return the parts of a result as HTML, one below the other."""
-    shown = [part if isinstance(part, str) else markup.table(*part) for part in parts(result)]
+    shown = [part if isinstance(part, str) else markup.html_table(*part) for part in parts(result)]
     return markup.Markup(markup.block(*shown))
 
 
 @singledispatch
-def latex(result: object) -> str:
+def notebook_latex(result: object) -> str:
     """Return a result as LaTeX, for a notebook."""
     raise TypeError(f"there is no LaTeX for a {type(result).__name__}")
 

@@ -45,7 +45,6 @@ _TIMELESS: Any = {
 }
 """What files would say of the time and the machine that made them."""
 _INLINE = 90  # pixels an inch, of a picture among text
-_PANEL = 7.2, 5.6  # inches, of a figure of one panel
 
 
 def require_matplotlib() -> None:

@@ -61,8 +61,8 @@ def parts_of_fits(fits: Fits) -> list[str | HeadedRows]:
     return parts
 
 
-@dispatch.html.register(Fit)
-@dispatch.html.register(Fits)
+@dispatch.notebook_html.register(Fit)
+@dispatch.notebook_html.register(Fits)
 def fit_as_html(fitted: Fit | Fits) -> str:
     """Return what the text says, and the figure below it."""
     said = dispatch.parts_as_html(fitted)

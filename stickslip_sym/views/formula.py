@@ -10,20 +10,20 @@ from stickslip_sym.views import dispatch, markup
 _LONGEST = 200  # characters of a result in a line of text
 
 
-@dispatch.html.register(ClosedForm)
+@dispatch.notebook_html.register(ClosedForm)
 def form_as_html(form: ClosedForm) -> str:
     """Return what it is of, the formula and the verdict."""
     where = f"{form.law.name or form.law.text}, {form.criterion.name}: damping coefficient in kg/s"
-    return markup.block(where, markup.formula(f"\\displaystyle {form.latex()}"), str(form.verdict))
+    return markup.block(where, markup.inline_formula(f"\\displaystyle {form.latex()}"), str(form.verdict))
 
 
-@dispatch.latex.register(ClosedForm)
+@dispatch.notebook_latex.register(ClosedForm)
 def form_as_latex(form: ClosedForm) -> str:
     """Return the formula."""
     return f"$\\displaystyle {form.latex()}$"
 
 
-@dispatch.line.register(Step)
+@dispatch.one_line.register(Step)
 def step_in_a_line(step: Step) -> str:
     """Return what was done, the result and the verdict."""
     label = f" {step.label}" if step.label else ""
@@ -31,13 +31,13 @@ def step_in_a_line(step: Step) -> str:
     return f"Step{label}: {step.operation}: {result}, {step.verdict.status.value}"
 
 
-@dispatch.latex.register(Step)
+@dispatch.notebook_latex.register(Step)
 def step_as_latex(step: Step) -> str:
     """Return the result."""
     return f"$\\displaystyle {printing.latex(step.statement)}$"
 
 
-@dispatch.html.register(Derivation)
+@dispatch.notebook_html.register(Derivation)
 def derivation_as_html(derivation: Derivation) -> str:
     """Return a table of the steps."""
     names = derivation.notation()
@@ -46,16 +46,16 @@ def derivation_as_html(derivation: Derivation) -> str:
             f"{number} {step.label}".strip(),
             step.operation,
             step.reason,
-            markup.formula(f"\\displaystyle {printing.latex(step.statement, names)}"),
+            markup.inline_formula(f"\\displaystyle {printing.latex(step.statement, names)}"),
             str(step.verdict),
         ]
         for number, step in enumerate(derivation.steps, 1)
     ]
     header = ["step", "what is done", "because", "result", "verdict"]
-    return markup.table(header, rows, caption=f"{derivation.title} [{derivation.status.value}]")
+    return markup.html_table(header, rows, caption=f"{derivation.title} [{derivation.status.value}]")
 
 
-@dispatch.latex.register(Derivation)
+@dispatch.notebook_latex.register(Derivation)
 def derivation_as_latex(derivation: Derivation) -> str:
     """Return the results, one below the other."""
     names = derivation.notation()

@@ -51,16 +51,16 @@ def _axes_in_words(results: ResultsOverAxes) -> str:
     return f"{results.law.name or 'law'}, {' by '.join(map(str, results.axes))}"
 
 
-@dispatch.line.register(ResultsOverAxes)
+@dispatch.one_line.register(ResultsOverAxes)
 def results_in_a_line(results: ResultsOverAxes) -> str:
     """Return the law, the axes and the results."""
     return f"{type(results).__name__}: {_axes_in_words(results)}; {summary(results)}"
 
 
-@dispatch.html.register(ResultsOverAxes)
+@dispatch.notebook_html.register(ResultsOverAxes)
 def results_as_html(results: ResultsOverAxes) -> str:
     """Return the results in a line, their picture, and a short table."""
-    table = markup.table(*short_table(results), caption=_axes_in_words(results))
+    table = markup.html_table(*short_table(results), caption=_axes_in_words(results))
     return markup.block(summary(results), picture(results.plot, _axes_in_words(results)), table)
 
 

@@ -8,13 +8,13 @@ from stickslip_sym.output.shown import HeadedRows
 from stickslip_sym.views import dispatch, markup
 
 
-@dispatch.html.register(Critical)
+@dispatch.notebook_html.register(Critical)
 def critical_as_html(critical: Critical) -> str:
     """Return the value in a line."""
     return markup.block(f"critical value: {critical}")
 
 
-@dispatch.line.register(Margins)
+@dispatch.one_line.register(Margins)
 def margins_in_a_line(margins: Margins) -> str:
     """Return what is the case at the operating point, and the threshold."""
     return f"Margins: {_decision(margins)}"

@@ -44,7 +44,7 @@ def element(tag: str, /, *children: str, **attributes: str) -> Markup:
     return Markup(f"<{tag}{written}>{inside}</{tag}>")
 
 
-def prose(text: str) -> Markup:
+def marked_prose(text: str) -> Markup:
     """Return a sentence with its plain-text mathematics as a reader expects it: indices, dots, signs."""
     for plain, sign in _SIGNS.items():
         text = text.replace(plain, sign)
@@ -58,7 +58,7 @@ def prose(text: str) -> Markup:
     return Markup(_WORD.sub(lambda match: f"<i>{_LETTERS[match[1]]}</i>", marked))
 
 
-def formula(latex: str) -> Markup:
+def inline_formula(latex: str) -> Markup:
     """Return LaTeX as a formula in a line of text; of one that fills a page, its length."""
     if len(latex) > _LONGEST:
         return Markup(f"<i>a formula of {len(latex)} characters of LaTeX</i>")
@@ -71,7 +71,7 @@ def block(*parts: str) -> str:
     return f"<div>{inner}</div>"
 
 
-def table(header: Sequence[str], rows: Sequence[Sequence[str]], *, caption: str = "") -> Markup:
+def html_table(header: Sequence[str], rows: Sequence[Sequence[str]], *, caption: str = "") -> Markup:
     """Return rows under a header as a table; cells are plain text, or `Markup`."""
     title = f"<caption {_PLAIN}>{escaped(caption)}</caption>" if caption else ""
     head = "".join(f"<th>{escaped(name)}</th>" for name in header)

@@ -36,10 +36,10 @@ def _first_rows(measured: Measurements) -> HeadedRows:
     return ["v in m/s", "mu", "sigma"][: len(columns)], rows[:_SHOWN] + left
 
 
-@dispatch.html.register(Measurements)
+@dispatch.notebook_html.register(Measurements)
 def measurements_as_html(measured: Measurements) -> str:
     """Return the preview, a line below the other, and the picture."""
-    text = markup.block(*_lines(measured), markup.table(*_first_rows(measured)))
+    text = markup.block(*_lines(measured), markup.html_table(*_first_rows(measured)))
     return markup.block(markup.Markup(text), picture(measured.plot, "measured friction"))
 
 

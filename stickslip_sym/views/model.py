@@ -33,7 +33,7 @@ Band = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """From slip speeds to the lower and the upper end of mu."""
 
 
-@dispatch.line.register(FrictionLaw)
+@dispatch.one_line.register(FrictionLaw)
 def law_in_a_line(law: FrictionLaw) -> str:
     """Return the law's name, formula, and values with their standard errors."""
     errors = {key: f"+/-{value.std_dev:.2g}" for key, value in law.uncertain.items()}
@@ -41,7 +41,7 @@ def law_in_a_line(law: FrictionLaw) -> str:
     return f"FrictionLaw({law.name or 'unnamed'}: {law.text}{'; ' + values if values else ''})"
 
 
-@dispatch.latex.register(FrictionLaw)
+@dispatch.notebook_latex.register(FrictionLaw)
 def law_as_latex(law: FrictionLaw) -> str:
     """Return mu(v) as an equation; of measured points, what goes through them."""
     if law.curve is not None:
@@ -50,10 +50,10 @@ def law_as_latex(law: FrictionLaw) -> str:
 
 
 def _formula_of(law: FrictionLaw) -> markup.Markup:
-    return markup.formula(f"\\mu(v) = {printing.latex(law.expr)}")
+    return markup.inline_formula(f"\\mu(v) = {printing.latex(law.expr)}")
 
 
-@dispatch.html.register(FrictionLaw)
+@dispatch.notebook_html.register(FrictionLaw)
 def law_as_html(law: FrictionLaw) -> str:
     """Return the formula, its parameters as a table, and where it comes from."""
     static = None if law.static is None else printing.text(law.static)
@@ -63,19 +63,19 @@ def law_as_html(law: FrictionLaw) -> str:
     values = {key: f"{float(value):g}" for key, value in law.values.items()}
     values |= {key: text_with_error(error.nominal_value, error.std_dev) for key, error in law.uncertain.items()}
     rows = [
-        [markup.formula(names[key]), values.get(key, ""), of.typical or "", of.unit or "", of.meaning]
+        [markup.inline_formula(names[key]), values.get(key, ""), of.typical or "", of.unit or "", of.meaning]
         for key, of in law.parameters.items()
     ]
-    table = [markup.table(["parameter", "value", "typical", "unit", "meaning"], rows)] if rows else []
+    table = [markup.html_table(["parameter", "value", "typical", "unit", "meaning"], rows)] if rows else []
     head = law.text if law.curve is not None else _formula_of(law)
     return markup.block(law.name or "friction law", head, *table, *notes)
 
 
-@dispatch.html.register(Catalogue)
+@dispatch.notebook_html.register(Catalogue)
 def catalogue_as_html(catalogue: Catalogue) -> str:
     """Return a table of the laws."""
     rows = [[name, _formula_of(law), law.source or ""] for name, law in catalogue.items()]
-    return markup.block(markup.table(["law", "coefficient of friction", "source"], rows))
+    return markup.block(markup.html_table(["law", "coefficient of friction", "source"], rows))
 
 
 def draw_law(

@@ -33,19 +33,19 @@ def _notes(regime: Regime) -> list[str]:
     return [*words, *(f"undecided: {text}" for text in regime.undecided)]
 
 
-@dispatch.text.register(Regime)
+@dispatch.plain_text.register(Regime)
 def regime_as_text(regime: Regime) -> str:
     """Return the attractors, and what is said besides, a line each."""
     return "\n".join([*map(str, regime.attractors), *_notes(regime)])
 
 
-@dispatch.html.register(Regime)
+@dispatch.notebook_html.register(Regime)
 def regime_as_html(regime: Regime) -> str:
     """Return the phase plane, a table of the motions, and what is said besides."""
     motions = [regime.rest, *regime.cycles, *([] if regime.stick_slip is None else [regime.stick_slip])]
     attracting = regime.attractors
     rows = [[str(motion), "attracts" if motion in attracting else "does not attract"] for motion in motions]
-    table = markup.table(["motion", "neighbours"], rows, caption="motions")
+    table = markup.html_table(["motion", "neighbours"], rows, caption="motions")
     drawn = picture(regime.plot, "; ".join(row[0] for row in rows))
     return markup.block(drawn, table, *_notes(regime))
 

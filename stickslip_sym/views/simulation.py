@@ -29,7 +29,7 @@ _STYLES: dict[Phase, dict[str, Any]] = {
 """In grey they differ by weight and by dashes."""
 
 
-@dispatch.line.register(Trajectory)
+@dispatch.one_line.register(Trajectory)
 def trajectory_in_a_line(motion: Trajectory) -> str:
     """Return what the motion is, and how far it was followed."""
     t, x, v = motion.t, motion.x, motion.v
@@ -40,7 +40,7 @@ def trajectory_in_a_line(motion: Trajectory) -> str:
     )
 
 
-@dispatch.html.register(Trajectory)
+@dispatch.notebook_html.register(Trajectory)
 def trajectory_as_html(motion: Trajectory) -> str:
     """Return the line, the picture of the last rounds, and the changes of phase."""
     since = float(motion.t[max(motion.t.size - _SHOWN, 0)])
@@ -48,7 +48,8 @@ def trajectory_as_html(motion: Trajectory) -> str:
     is_cut = bool(drawn) and since != motion.t[0]
     cut = [f"The picture begins at t = {since:.6g} s."] if is_cut else []
     rows = [_row_of_event(event) for event in markup.shortened(motion.events)]
-    return markup.block(repr(motion), drawn, *cut, markup.table(["t in s", "x in m", "v in m/s", "begins"], rows))
+    table = markup.html_table(["t in s", "x in m", "v in m/s", "begins"], rows)
+    return markup.block(repr(motion), drawn, *cut, table)
 
 
 def _row_of_event(event: Event | None) -> list[str]:
@@ -109,18 +110,18 @@ def _three_panels(motion: Trajectory, since: float) -> "Figure":
     return figure
 
 
-@dispatch.html.register(Trajectories)
+@dispatch.notebook_html.register(Trajectories)
 def trajectories_as_html(motions: Trajectories) -> str:
     """Return the line, and how many motions there are of each kind."""
     rows = [[word, str(number)] for word, number in motions.count().items()]
-    return markup.block(repr(motions), markup.table(["motion", "initial conditions"], rows))
+    return markup.block(repr(motions), markup.html_table(["motion", "initial conditions"], rows))
 
 
-@dispatch.html.register(StickSlipCycle)
+@dispatch.notebook_html.register(StickSlipCycle)
 def cycle_as_html(cycle: StickSlipCycle) -> str:
     """Return a table of its times and extremes."""
     units = {"period": "s", "stick_time": "s", "slip_time": "s", "x_min": "m", "x_max": "m"}
     rows = [
         [field.name, f"{getattr(cycle, field.name):.9g}", units.get(field.name, "m/s")] for field in fields(cycle)
     ]
-    return markup.table(["quantity", "value", "unit"], rows, caption="stick-slip cycle")
+    return markup.html_table(["quantity", "value", "unit"], rows, caption="stick-slip cycle")

@@ -15,7 +15,7 @@ from stickslip_sym.views import dispatch, markup
 _COLUMNS = ["operating point", "c in kg/s", "standard error", "method", "error of the method", "status"]
 
 
-@dispatch.text.register(Threshold)
+@dispatch.plain_text.register(Threshold)
 def threshold_as_text(threshold: Threshold[Any]) -> str:
     """Return the value, or the range of several, with its errors, and what a negative one means."""
     if not np.size(threshold.value):
@@ -53,7 +53,7 @@ def _error_of_method(error: float | None) -> str:
     return f"{error:.0e}" if error else "0"
 
 
-@dispatch.html.register(Threshold)
+@dispatch.notebook_html.register(Threshold)
 def threshold_as_html(threshold: Threshold[Any]) -> str:
     """Return a table with a row for each operating point, the first and the last of many."""
     value, method = np.atleast_1d(threshold.value), np.atleast_1d(threshold.method)
@@ -74,7 +74,7 @@ def threshold_as_html(threshold: Threshold[Any]) -> str:
         unused.add("operating point")
     shown = [i for i, name in enumerate(_COLUMNS) if name not in unused]
     head, *body = ([row[i] for i in shown] for row in (_COLUMNS, *rows))
-    return markup.table(head, body, caption=f"pure-slip damping: {threshold}")
+    return markup.html_table(head, body, caption=f"pure-slip damping: {threshold}")
 
 
 @dispatch.parts.register(Budget)

@@ -90,7 +90,7 @@ def test_latex_and_text_have_the_formulas_value(batch, monkeypatch):
                 shown = printing.latex(expr, names, inline=inline)
                 assert agrees(by_latex(shown, expr, point, names), expected), f"{expr!r}\n{shown}"
                 too_long = f"<i>a formula of {len(shown)} characters of LaTeX</i>"
-                assert html.unescape(markup.formula(shown)) in (f"<span>${shown}$</span>", too_long)
+                assert html.unescape(markup.inline_formula(shown)) in (f"<span>${shown}$</span>", too_long)
             shown = abbreviation.displayed_equation("c", expr, names)
             assert agrees(by_lines(shown, point, names), expected), f"{expr!r}\n{shown}"
             shown = printing.text(expr)

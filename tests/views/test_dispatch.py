@@ -24,8 +24,8 @@ def test_every_result_that_is_drawn_or_told_has_its_own_view():
     for one in classes:
         dispatch.load_views(one)
         if issubclass(one, Report):
-            assert {view.dispatch(one) for view in (dispatch.text, dispatch.parts)} - {
-                view.dispatch(object) for view in (dispatch.text, dispatch.parts)
+            assert {view.dispatch(one) for view in (dispatch.plain_text, dispatch.parts)} - {
+                view.dispatch(object) for view in (dispatch.plain_text, dispatch.parts)
             }, one
         if issubclass(one, Drawn):
             assert {view.dispatch(one) for view in (dispatch.draw, dispatch.figure)} - {
@@ -44,11 +44,11 @@ def test_a_class_of_a_user_is_shown_as_the_one_that_it_extends():
 
 def test_what_has_no_view_of_its_own_is_one_sentence():
     verdict = ss.derive("mu_s - a*v").verdict
-    assert views_of(verdict).html(verdict).count("<p") == 1
+    assert views_of(verdict).notebook_html(verdict).count("<p") == 1
     assert str(verdict) in verdict._repr_html_()
 
 
-@pytest.mark.parametrize("view", [dispatch.line, dispatch.latex, dispatch.page])
+@pytest.mark.parametrize("view", [dispatch.one_line, dispatch.notebook_latex, dispatch.page])
 def test_a_view_that_there_is_not_is_refused(view):
     with pytest.raises(TypeError, match=r"(of|for) a int"):
         view(3)

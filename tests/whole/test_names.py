@@ -77,10 +77,8 @@ SAME_FUNCTIONS = {
     "_damped_wave": "a rule for one family of terms, by polynomial weights or by the harmonic one",
     "_power": "a rule for one family of terms, by polynomial weights or by the harmonic one",
     "_rational": "a rule for one family of terms, by polynomial weights or by the harmonic one",
-    "latex": "of a formula, or of a result: as LaTeX",
     "main": "the entry point, and what it runs once all is imported",
     "run": "a command of the file's name",
-    "text": "of a formula, or of a result: as text",
 }
 
 

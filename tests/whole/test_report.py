@@ -26,7 +26,7 @@ from paper_checks.terminal import verdicts
 from stickslip_sym import Status
 from stickslip_sym.comparison.compare import Row
 from stickslip_sym.views.drawing import svg_uri
-from stickslip_sym.views.markup import element, prose
+from stickslip_sym.views.markup import element, marked_prose
 from stickslip_sym.views.pages.render import versions
 
 ROOT = Path(__file__).parents[2]
@@ -208,9 +208,9 @@ def test_a_verdict_other_than_on_record_is_marked():
 
 def test_text_is_escaped():
     assert element("p", "a < b & <b>", title='"') == '<p title="&quot;">a &lt; b &amp; &lt;b&gt;</p>'
-    assert prose("mu_s <= 1 & <i>") == "<i>μ</i><sub>s</sub> ≤ 1 &amp; &lt;i&gt;"
+    assert marked_prose("mu_s <= 1 & <i>") == "<i>μ</i><sub>s</sub> ≤ 1 &amp; &lt;i&gt;"
     typeset = "−2\u2009V<sup>2</sup> to V<sup>−1.5</sup>, stick-slip at 1e-3"
-    assert prose("-2*V**2 to V^-1.5, stick-slip at 1e-3") == typeset
+    assert marked_prose("-2*V**2 to V^-1.5, stick-slip at 1e-3") == typeset
 
 
 def test_indices_and_bessel_functions_are_typeset():
@@ -225,7 +225,7 @@ def test_indices_and_bessel_functions_are_typeset():
         assert f"{letter}_{order}(" in text
         value = sp.sympify(re.sub(r"([IJKY])_(\d+)\(", lambda f: f"bessel{f[1].lower()}({f[2]},", text))
         assert sp.simplify(value.subs({"alpha": x, "V": y}) - expr) == 0
-        page = prose(text)
+        page = marked_prose(text)
         assert f"<i>{letter}</i><sub>{order}</sub>(" in page
         assert "_" not in page
     assert wording.formula(sp.Symbol("b") - sp.Symbol("a")) == "b - a"

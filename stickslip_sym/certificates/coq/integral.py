@@ -126,12 +126,12 @@ class Integral(Script):
             self.name(shape)
 
         def words(expr: Expr) -> Expr:
-            return self.words(average._in_shapes(expr).xreplace({V: self.r}), self.u)
+            return self.words(average.in_shapes(expr).xreplace({V: self.r}), self.u)
 
         (integral,) = step.statement.lhs.atoms(sp.Integral)
         kernel, boundary = self.criterion.kernel, step.statement.lhs - integral
-        expr = average._in_shapes(_divided(integral.function, kernel))
-        parts = step.by.parts(average._in_shapes(integral.function), sp.S.Zero, 2 * V)
+        expr = average.in_shapes(_divided(integral.function, kernel))
+        parts = step.by.parts(average.in_shapes(integral.function), sp.S.Zero, 2 * V)
         primitives, _, lows, highs = zip(*parts, strict=True)
         if any(end.has(sp.Max) for end in (*lows, *highs)):
             raise Unsupported(

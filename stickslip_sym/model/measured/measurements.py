@@ -167,7 +167,7 @@ class Measurements(Drawn, TableResult):
 
     def preview(self) -> str:
         """Return what was read, before anything is computed: columns and units, what was assumed, first rows."""
-        return views_of(self).text(self)
+        return views_of(self).plain_text(self)
 
     @property
     def speeds(self) -> FloatArray:

@@ -88,7 +88,7 @@ class ResultsOverAxes(Drawn, TableResult):
         """The results by their names in files; they broadcast with the cells."""
 
     def __repr__(self) -> str:
-        return views_of(self).line(self)
+        return views_of(self).one_line(self)
 
     def _table_columns(self) -> "dict[str, NDArray[np.generic]]":
         """Return a row for each cell: its place on the axes, and every column."""

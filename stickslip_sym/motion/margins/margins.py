@@ -126,7 +126,7 @@ class Margins(Report, TableResult):
         return columns
 
     def __repr__(self) -> str:
-        return views_of(self).line(self)
+        return views_of(self).one_line(self)
 
 
 def margins(

@@ -423,7 +423,7 @@ class Regime(Drawn, DataResult):
         return len(self.attractors) > 1
 
     def __str__(self) -> str:
-        return views_of(self).text(self)
+        return views_of(self).plain_text(self)
 
     def __repr__(self) -> str:
         return f"Regime: {'; '.join(str(self).splitlines())}"

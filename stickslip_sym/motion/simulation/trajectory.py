@@ -250,7 +250,7 @@ class Trajectory(Shown, TableResult, by_identity=True):
         return f"{self.motion.value} by {100 * abs(self.change):.2g} % a round"
 
     def __repr__(self) -> str:
-        return views_of(self).line(self)
+        return views_of(self).one_line(self)
 
     def starts_of(self, phase: Phase) -> FloatArray:
         """Return the times at which a phase began."""

@@ -16,7 +16,7 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.version import __version__
 from stickslip_sym.output import printing
-from stickslip_sym.views.markup import Markup, element, escaped, prose
+from stickslip_sym.views.markup import Markup, element, escaped, marked_prose
 
 _PACKAGES = ("sympy", "mpmath", "numpy", "scipy", "matplotlib", "uncertainties")
 _FRAME = Path(__file__).parent
@@ -53,7 +53,7 @@ def render(template: Path, **values: Any) -> str:
     filters = {
         "number": number,
         "percent": percent,
-        "prose": prose,
+        "prose": marked_prose,
         "symbol": symbol,
         "with_error": number_with_error,
     }
@@ -108,7 +108,7 @@ def symbol(name: str) -> Markup:
     return math_element(printing.latex(sp.Symbol(name)), block=False)
 
 
-def equation(left: Expr, right: Expr) -> Markup:
+def mathml_equation(left: Expr, right: Expr) -> Markup:
     """Return an equation of two expressions as an element ``math``."""
     return math_element(f"{printing.latex(left)} = {printing.latex(right)}")
 

@@ -25,7 +25,7 @@ from stickslip_sym.views.drawing import finish, new_figure, styled, svg_uri
 from stickslip_sym.views.markup import Markup, element
 from stickslip_sym.views.model import draw_law
 from stickslip_sym.views.pages.browser import print_to_pdf
-from stickslip_sym.views.pages.render import equation, number_with_error, render
+from stickslip_sym.views.pages.render import mathml_equation, number_with_error, render
 from stickslip_sym.views.threshold_plane import ABOVE, BAND, Look, draw_plane
 
 _TEMPLATE = Path(__file__).with_name("study_page.html")
@@ -99,7 +99,7 @@ def _formula(left: sp.Expr, expr: sp.Expr) -> Markup:
     """Return a formula as it fits a page: set, as text, or its length."""
     text = printing.text(expr)
     if len(text) <= _WIDEST:
-        return equation(left, expr)
+        return mathml_equation(left, expr)
     if len(text) <= _LONGEST:
         return element("code", f"{printing.text(left)} = {text}")
     return element("p", f"A formula of {len(text)} characters; derive gives it.", class_="note")
