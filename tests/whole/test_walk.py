@@ -51,9 +51,3 @@ def test_the_call_goes_the_way_that_is_told():
     entered = {folder(path) for path, _ in made} - {"core"}
     assert entered <= told
     assert f"enters {['no', 'one', 'two', 'three', 'four', 'five', 'six', 'seven'][len(entered)]} folders" in TEXT
-
-
-def test_each_file_of_the_way_is_there():
-    names = {path.name for path in PACKAGE.rglob("*.py")}
-    for path in MENTIONED:
-        assert (PACKAGE / path).is_file() if "/" in path else path in names, path
