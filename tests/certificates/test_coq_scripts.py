@@ -10,7 +10,7 @@ import commands
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core import symbols
@@ -63,6 +63,7 @@ def proves(script, folder):
     return printed
 
 
+@sample(1)
 @needs_coq
 @sweep(("law", "criterion"), [*SHORT, (KINKED, "least_squares")], 0, 2)
 def test_coq_accepts_a_closed_form(law, criterion, tmp_path):
@@ -113,6 +114,7 @@ def test_letters_that_mean_something_in_coq_get_other_names():
     assert len(set(letters)) == 7
 
 
+@sample(3)
 @pytest.mark.parametrize(
     ("law", "criterion", "words"),
     [

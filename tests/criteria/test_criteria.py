@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from languages import PROGRAMS, runs, values_of
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 
@@ -27,6 +27,7 @@ LAWS = {
 VALUES = {"mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0, "v_w": 0.7}
 
 
+@sample(1)
 @sweep(
     ("weight", "law"), [(weight, law) for weight in WEIGHTS for law in LAWS],
     ("not 0 at the ends", "in pieces, with a jump"),

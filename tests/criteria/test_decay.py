@@ -5,7 +5,7 @@ import random
 import mpmath
 import numpy as np
 import pytest
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym import quadrature
@@ -77,6 +77,7 @@ def test_a_certificate_in_balls_is_refused_in_words():
 LOG_NORMAL = ["0.6*exp(-0.1*(log(v/0.005)/log(10))^2)", "0.2 + 0.3*exp(-0.5*log(v/0.1)^2)", "0.1*v*exp(-log(v)^2)"]
 
 
+@sample(4)
 @sweep(("text", "criterion"), [(text, name) for text in LOG_NORMAL for name in ("least_squares", "harmonic")],
        (LOG_NORMAL[0], "least_squares"), (LOG_NORMAL[1], "harmonic"), (LOG_NORMAL[2], "harmonic"))  # fmt: skip
 @pytest.mark.parametrize("V", ["1e-6", "0.05", "0.5", "40"])

@@ -1,7 +1,7 @@
 """Families of laws that have closed forms: each is found by a rule, proved or checked, and has the right value."""
 
 import pytest
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 
@@ -49,6 +49,7 @@ def assert_value(form, values, V):
     assert form(V=float(V), N=3.0, **floats) == pytest.approx(float(expected), rel=1e-12)
 
 
+@sample(3)
 @sweep("formula", list(PROVED), *list(PROVED)[::4])
 def test_a_family_with_a_closed_form_is_proved(formula):
     form = ss.derive(formula, search=False)
@@ -57,6 +58,7 @@ def test_a_family_with_a_closed_form_is_proved(formula):
         assert_value(form, PROVED[formula], V)
 
 
+@sample(1)
 @pytest.mark.parametrize(("criterion", "status"), [("least_squares", "PROVED"), ("harmonic", "CHECKED")])
 def test_what_is_finite_together_is_averaged_together(criterion, status):
     form = ss.derive("a*(exp(-v/v_1) - exp(-v/v_2))/v", criterion, search=False)
@@ -65,6 +67,7 @@ def test_what_is_finite_together_is_averaged_together(criterion, status):
         assert_value(form, {"a": "0.1", "v_1": "0.5", "v_2": "0.2"}, V)
 
 
+@sample(1)
 @pytest.mark.parametrize("formula", ENDING)
 def test_a_law_that_ends_is_proved_below_its_end(formula):
     form = ss.derive(formula, search=False)
@@ -77,6 +80,7 @@ def test_a_law_that_ends_is_proved_below_its_end(formula):
         form.evaluate(20, V=9, N=1, **ENDING[formula])
 
 
+@sample(1)
 @pytest.mark.parametrize(("criterion", "status"), [("least_squares", "PROVED"), ("harmonic", "CHECKED")])
 def test_the_sine_integral(criterion, status):
     form = ss.derive("mu_0 + a*sinc(v/w)", criterion, search=False)

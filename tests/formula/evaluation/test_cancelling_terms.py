@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from languages import values_of
-from sweeps import fewer, sweep
+from sweeps import fewer, sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.criteria.enclosure import Enclosure
@@ -30,6 +30,7 @@ def law_of(text, **values):
     return law.bind(**{name: value for name, value in values.items() if name in law.parameters})
 
 
+@sample(1)
 @sweep(
     ("text", "criterion"), [(text, name) for text in FINITE_TOGETHER for name in ("least_squares", "harmonic")],
     ("mu_k + d*(1 - exp(-v/w))*w/v", "harmonic"), ("d*(v/w)*(1 - exp(-w/v))", "least_squares"),

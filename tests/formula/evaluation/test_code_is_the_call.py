@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from languages import PROGRAMS, runs, values_of
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.formula.evaluation.branches import PanelTable
@@ -58,6 +58,7 @@ def sizes(average, V):
         return sum(np.abs(np.broadcast_to(term(values), V.shape)) for term in average.functions)
 
 
+@sample(2)
 @sweep("seed", range(45), 15, 33, 5, 29)
 def test_code_equals_the_call(seed, tmp_path):
     law, average, V, expected = drawn(seed)
