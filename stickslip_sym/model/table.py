@@ -425,20 +425,40 @@ def _row(one: Interval[float, None], powers: FloatArray) -> FloatArray:
 
 @lru_cache(maxsize=256)  # laws with other values share them
 def _slopes(expr: Expr) -> list[Expr]:
-    """Return the slope of a formula as it stands, and over one denominator, where algebraic terms cancel less."""
+    """Return the slope of a formula as it stands, and over one denominator, where algebraic terms cancel less.
+
+    Where roots are factors of other functions, as in regularised laws, it is given so with all its terms too.
+    """
     slope = slope_of(expr)
-    algebraic = [
-        term
-        for term in sp.Add.make_args(slope)
-        if all(
-            node.is_Add or node.is_Mul or (node.is_Pow and not node.exp.has(symbols.v)) or not node.args
-            for node in sp.preorder_traversal(term)
-            if node.has(symbols.v)
-        )
-    ]
-    numerator, denominator = sp.fraction(sp.together(sp.Add(*algebraic)))
-    joined = slope - sp.Add(*algebraic) + sp.expand(numerator) / denominator
-    return [slope] if joined == slope or denominator == 1 else [slope, joined]
+    terms = sp.Add.make_args(slope)
+    algebraic = [term for term in terms if _is_algebraic(term)]
+    others = slope - sp.Add(*algebraic)
+    forms = [slope, others + _joined(sp.Add(*algebraic))]
+    if any(_is_root(node) for node in sp.preorder_traversal(others)):
+        inner = {node: sp.Dummy() for node in sp.preorder_traversal(slope) if _is_transcendental(node)}
+        forms.append(_joined(slope.xreplace(inner)).xreplace({name: node for node, name in inner.items()}))
+    return list(dict.fromkeys(forms))
+
+
+def _joined(terms: Expr) -> Expr:
+    """Return a sum over one denominator."""
+    numerator, denominator = sp.fraction(sp.together(terms))
+    return terms if denominator == 1 else sp.expand(numerator) / denominator
+
+
+def _is_algebraic(term: Expr) -> bool:
+    """Whether an expression is made of sums, products and powers only, as far as it holds the slip speed."""
+    return not any(_is_transcendental(node) for node in sp.preorder_traversal(term))
+
+
+def _is_transcendental(node: Expr) -> bool:
+    if not node.has(symbols.v) or not node.args:
+        return False
+    return not (node.is_Add or node.is_Mul or (node.is_Pow and not node.exp.has(symbols.v)))
+
+
+def _is_root(node: Expr) -> bool:
+    return bool(node.is_Pow and node.base.has(symbols.v) and node.exp.is_Rational and not node.exp.is_Integer)
 
 
 def _first(segment: _Segment) -> tuple[FloatArray, float]:

@@ -15,7 +15,7 @@ import math
 
 from stickslip_sym.model.table import Rise
 from stickslip_sym.motion.compiled import compilable
-from stickslip_sym.motion.kernel.forces import slope_at, standing
+from stickslip_sym.motion.kernel.forces import slope_at, slope_standing, standing
 from stickslip_sym.motion.kernel.slip_data import Branch, Field
 
 _PARTS = 8  # of an interval of the table, on each of which a slope is bounded
@@ -29,8 +29,20 @@ def creeps(rise: Rise, field: Field, q: float, w: float) -> bool:
     displacement = q + field.push - field.damping - at_rest
     if displacement * x <= 0.0 or high > rise.levels[-1] or _is_jump_between(rise, low, high):
         return False
+    # The slopes at both ends show most often that it may come, without a look at all between them.
+    here = slope_at(Branch(rise.pieces, 0, len(rise.pieces) - 1, 0), w)
+    largest = field.eta * min(here, slope_standing(rise.pieces, w > 1.0))
+    if field.eta < 0.0:
+        largest = field.eta * max(here, slope_standing(rise.pieces, w > 1.0))
+    if not _is_held(field.damping + largest, displacement, x):
+        return False
     least, most = slope_bounds(rise, low, high)
-    K = field.damping + min(field.eta * least, field.eta * most)
+    return _is_held(field.damping + min(field.eta * least, field.eta * most), displacement, x)
+
+
+@compilable
+def _is_held(K: float, displacement: float, x: float) -> bool:
+    """Whether chords that are nowhere less than K keep a state from w = 1."""
     return K > 2.0 and abs(displacement) * (K + math.sqrt(K * K - 4.0)) > 2.0 * abs(x)
 
 
