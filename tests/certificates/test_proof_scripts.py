@@ -7,7 +7,7 @@ import sys
 
 import pytest
 from commands import inside
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 
@@ -36,6 +36,7 @@ def theorem_of(name, **more):
     return ss.pure_slip_damping(LAWS[name], **AT | more, method="proof", rtol=1e-8).theorem
 
 
+@sample(2)
 @sweep("name", list(LAWS), "exponential", "kinks", "names")
 def test_the_script_of_a_threshold_proves_it(name):
     theorem = theorem_of(name)

@@ -23,6 +23,7 @@ def a_law():
 LAWS = [a_law() for _ in range(2)]
 
 
+@sample(2)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("criterion", ["least_squares", "harmonic"])
 def test_what_vanishes_at_rest_is_enclosed(law, criterion):

@@ -9,7 +9,7 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 from strategies import nested
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.criteria import enclosure
@@ -87,6 +87,7 @@ def test_a_coefficient_that_is_not_real_is_not_enclosed(formula, V, criterion):
         ss.enclose(f"0.5 + {formula}", criterion, V=V, N=1, digits=5)
 
 
+@sample(3)
 @pytest.mark.parametrize("criterion", CRITERIA, ids=str)
 def test_kinks_and_measured_points(criterion):
     points = ss.FrictionLaw.from_samples([0, 0.05, 0.1, 0.2, 0.4, 1.0], [0.50, 0.44, 0.40, 0.34, 0.29, 0.27])

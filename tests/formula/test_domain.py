@@ -4,7 +4,7 @@ import random
 
 import pytest
 import sympy as sp
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core import symbols
@@ -22,6 +22,7 @@ LAWS = {
 }
 
 
+@sample(3)
 @sweep(
     ("law", "criterion"),
     [(law, criterion) for law in LAWS for criterion in ("least_squares", "harmonic")],

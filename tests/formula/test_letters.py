@@ -4,7 +4,7 @@ import random
 
 import pytest
 import sympy as sp
-from sweeps import sweep
+from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core.symbols import v
@@ -22,6 +22,7 @@ def numbers(rng, count, digits):
     return [f"{rng.uniform(0.2, 2.5):.{digits}f}" for _ in range(count)]
 
 
+@sample(2)
 @sweep("family", range(len(FAMILIES)), 0, 1)
 @pytest.mark.parametrize("digits", [4, 15])
 def test_numbers_of_any_length_give_the_formula_in_letters(family, digits):

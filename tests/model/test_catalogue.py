@@ -14,6 +14,7 @@ from stickslip_sym.model.expression.dimensions import multiply_by_units, parse_u
 SPEEDS = np.array([1e-3, 0.03, 0.2, 0.5, 1.0, 3.0])
 
 
+@sample(12)
 @pytest.mark.parametrize("name", LAWS)
 def test_is_described_and_sensible(name):
     law = ss.laws.catalogue[name]

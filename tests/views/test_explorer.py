@@ -10,7 +10,7 @@ from html import unescape
 import numpy as np
 import pytest
 from pages import require_browser, sent_by
-from sweeps import sweep
+from sweeps import sample, sweep
 from uncertainties import ufloat
 
 import stickslip_sym as ss
@@ -154,6 +154,7 @@ def require_node():
         pytest.skip("all that needs a JavaScript of its own: no node on this machine")
 
 
+@sample(2)
 @pytest.mark.filterwarnings("ignore::stickslip_sym.core.errors.InputWarning")
 @sweep(
     "name", ["exponential", "stribeck", "popp_stelter", "arcsinh", "tanh"], "exponential", "popp_stelter", "tanh"

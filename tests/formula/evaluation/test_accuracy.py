@@ -77,6 +77,7 @@ def test_the_exponential_law_where_its_branches_meet():
     assert np.abs(values / (right / 2) - 1).max() <= MOST_UNITS_OF_THE_PAPER * accuracy.EPSILON
 
 
+@sample(1)
 @sweep(
     ("name", "scale", "power", "criterion"),
     [(*law, criterion) for law in (("exponential", "alpha", -1), ("polynomial", "v_m", 1)) for criterion in BOTH],

@@ -129,6 +129,7 @@ WITHOUT_SERIES = [
 ]
 
 
+@sample(1)
 @sweep(("text", "criterion", "low", "high"), WITHOUT_SERIES, WITHOUT_SERIES[0], WITHOUT_SERIES[3])
 def test_code_of_laws_with_logarithms_is_written(text, criterion, low, high):
     """Over decades about the law's own speed; farther out code gives NaN, and a call asks balls."""
