@@ -321,8 +321,8 @@ def agree(e, x=v, at=None, below=()):
         return vanishes(e, signs) if at is None else vanishes(e.subs(x, at), [gap.subs(x, at) for gap in signs])
     places = {part for holds in conditions for part in parts_of(place_of(holds, x))}
     first = min(places - below.keys(), key=str)
-    left = {p: True for p in places if (p - first).is_nonnegative}
-    right = {p: False for p in places if (first - p).is_nonnegative}
+    left = {p: True for p in places if sp.cancel(p - first).is_nonnegative}
+    right = {p: False for p in places if sp.cancel(first - p).is_nonnegative}
     return agree(e, x, at, {**below, **left}) and agree(e, x, at, {**below, **right})
 
 
