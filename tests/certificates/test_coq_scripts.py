@@ -7,14 +7,17 @@ import subprocess
 from pathlib import Path
 
 import commands
+import mpmath
 import pytest
+import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 from sweeps import sample, sweep
 
 import stickslip_sym as ss
-from stickslip_sym.core import symbols
+from stickslip_sym.certificates.coq.harmonic import Pole, slope_over_angle
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.symbols import V, v
 
 needs_coq = pytest.mark.skipif(shutil.which("coqc") is None, reason="no coqc here")
 LONGEST = 600  # seconds that a script may take on a machine with much else to do
@@ -23,9 +26,9 @@ AXIOMS = {"ClassicalDedekindReals.sig_not_dec", "ClassicalDedekindReals.sig_fora
           "Eqdep.Eq_rect_eq.eq_rect_eq"}  # fmt: skip
 """Those of Coq's real numbers and of Coquelicot."""
 CATALOGUE = [(name, criterion) for name in ss.laws for criterion in ("equilibrium", "least_squares")]
-CATALOGUE += [(name, "harmonic") for name, law in ss.laws.items() if law.expr.is_polynomial(symbols.v)]
+CATALOGUE += [(name, "harmonic") for name, law in ss.laws.items() if sp.diff(law.expr, v).is_rational_function(v)]
 WITHOUT_FORM = {("andersson", "least_squares")}
-SHORT = [("exponential", "least_squares"), ("tanh", "equilibrium"), ("polynomial", "harmonic")]
+SHORT = [("exponential", "least_squares"), ("tanh", "equilibrium"), ("hyperbolic", "harmonic")]
 README = Path(__file__).parents[2] / "README.md"
 KINKED = "0.2 + (mu_s - 0.2)*Max(0, 1 - v/v_1)"
 
@@ -63,7 +66,7 @@ def proves(script, folder):
     return printed
 
 
-@sample(1)
+@sample(2)
 @needs_coq
 @sweep(("law", "criterion"), [*SHORT, (KINKED, "least_squares")], 0, 2)
 def test_coq_accepts_a_closed_form(law, criterion, tmp_path):
@@ -96,6 +99,48 @@ def test_coq_refuses_a_changed_digit(name, tmp_path):
     assert not accepted
 
 
+@needs_coq
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", ["c", "slope1", "rise1", "I1"])
+@pytest.mark.parametrize("law", ["hyperbolic", "lorentzian"])
+def test_coq_refuses_a_changed_digit_over_the_angle(law, name, tmp_path):
+    script = script_of(law, "harmonic")
+    accepted, _ = compiled(changed(script, name, random.Random(7)), tmp_path)
+    assert not accepted
+
+
+@needs_coq
+@sweep("law", [
+    "mu_0 + a/((1 + v/p)*(1 + v/q))",
+    "mu_0 + a/(1 + v/w)^2 + 0.1/(1 + (v/w)^2)^2 + b*v/(1 + v/q)",
+    "mu_0 + 0.3*log(1 + (v/w)^2) + b*v^3/(2 + v)^2",
+])  # fmt: skip
+def test_coq_accepts_harmonic_forms_with_several_poles(law, tmp_path):
+    proves(script_of(law, "harmonic"), tmp_path)
+
+
+_RATES = st.lists(st.integers(-3, 3), min_size=1, max_size=4)
+_BASES = st.sampled_from([v + 2, v + 1, v**2 + 1, v**2 + v + 1, v**2 + 3 * v + 4])
+
+
+@given(_RATES, _BASES, st.integers(1, 3))
+def test_a_fraction_over_the_angle_is_a_slope_and_its_poles(rates, base, power):
+    above = sp.Add(*[rate * v**i for i, rate in enumerate(rates)])
+    rate, wave, poles = slope_over_angle(above, base, power)
+    sine_squared = v * (2 * V - v) / V**2
+    slope = rate + (1 - v / V) * wave + V * sine_squared * sp.diff(wave, v)
+    fractions = sp.Add(*[multiple * top / base for top, multiple in poles.items()])
+    assert sp.cancel(sine_squared * above / base**power - slope - fractions) == 0
+
+
+@pytest.mark.parametrize(("top", "base"), [(1, v + 2), (1, v**2 + 1), (v, v**2 + 3 * v + 4)])
+def test_the_integral_of_a_pole_is_that_of_its_fraction(top, base):
+    pole = Pole(sp.S.One, sp.sympify(top), base)
+    fraction = sp.lambdify(v, top / base, "mpmath")
+    number = mpmath.quad(lambda t: fraction(3 * (1 - mpmath.cos(t))), [0, mpmath.pi])
+    assert abs(number - pole.integral.subs(V, 3).evalf(20)) < 1e-12
+
+
 def test_a_law_is_stated_in_its_own_words():
     script = script_of("tanh")
     assert "Definition mu (v : R) : R := mu_s - (mu_s - mu_m) * tanh (v / v_s)." in script
@@ -118,7 +163,8 @@ def test_letters_that_mean_something_in_coq_get_other_names():
 @pytest.mark.parametrize(
     ("law", "criterion", "words"),
     [
-        ("exponential", "harmonic", "the harmonic criterion of polynomials of v, and no rule"),
+        ("exponential", "harmonic", "the harmonic criterion of slopes that are quotients of polynomials"),
+        ("mu_0 + 0.1/(1 + a*v + v^2)", "harmonic", "zeros are not known to be complex"),
         ("0.3/(1+v) + 0.1*exp(-v)/(1+v)", "least_squares", "expint"),
         ("mu_s - 0.1*log(v/v_0)", "least_squares", "cannot tell that .*, in log"),
         ("0.3 + 0.1*v^(-1/4)", "least_squares", "is positive"),

@@ -46,7 +46,10 @@ Ltac positive := first [ assumption | exact Logic.I | lra | exact PI_RGT_0 | app
   | |- 0 <= _ ^ _ => apply pow_le; positive
   | |- 0 < cosh _ => apply cosh_positive  (*? hyperbolic *)
   | |- 0 < sqrt _ => apply sqrt_lt_R0; positive
+  | |- 0 <= sqrt _ => apply sqrt_pos
   | H : ?a <> 0 |- ?b <> 0 => solve [intro E; apply H; lra]
+  | |- _ * _ <> 0 => apply Rmult_integral_contrapositive_currified; positive
+  | |- _ ^ _ <> 0 => apply pow_nonzero; positive
   | |- exp _ < 2 => apply (Rle_lt_trans _ (exp 0)); [apply exp_le, Ropp_le_cancel; rewrite Ropp_0, <- ?Ropp_mult_distr_l, Ropp_involutive; positive | rewrite exp_0; lra]
   | |- 0 < Rmin _ _ => apply Rmin_glb_lt; positive
   | |- 0 <= Rmin _ _ => apply Rmin_glb; positive
@@ -370,6 +373,189 @@ Proof. exact (is_RInt_scal f a b k I). Qed.
 
 Lemma integral_chain f a b d I J : is_RInt f a b I -> is_RInt f b d J -> is_RInt f a d (I + J).
 Proof. exact (is_RInt_Chasles (V := R_NormedModule) f a b d I J). Qed.
+
+(*# angle *)
+(* Over the angle t of v = V (1 - cos t), 0 <= t <= PI *)
+Lemma rise_of (F f : R -> R) a b : (forall t, is_derive F t (f t)) -> (forall t, continuous f t) -> is_RInt f a b (F b - F a).
+Proof. intros D C. exact (is_RInt_derive F f a b (fun t _ => D t) (fun t _ => C t)). Qed.
+Lemma sine_squared t : sin t * sin t = 1 - cos t * cos t.
+Proof. pose proof (sin2_cos2 t) as E. unfold Rsqr in E. lra. Qed.
+
+(*# poisson *)
+(* Poisson's kernel (1 - rho^2)/(1 + rho^2 - 2 rho cos a), an antiderivative of it, and of its conjugate *)
+Lemma less_of_squares a b : 0 < b -> a ^ 2 < b ^ 2 -> a < b.
+Proof. intros. destruct (Rlt_le_dec a b) as [L | L]; [exact L | exfalso; nra]. Qed.
+Section Poisson.
+Variable rho : R.
+Hypothesis (Hrho : 0 < rho < 1).
+Definition circle a := 1 + rho ^ 2 - 2 * rho * cos a.
+Definition turn a := a + 2 * atan (rho * sin a / (1 - rho * cos a)).
+Lemma circle_positive a : 0 < circle a.
+Proof. unfold circle. pose proof (COS_bound a). nra. Qed.
+Lemma derive_turn a : is_derive turn a ((1 - rho ^ 2) / circle a).
+Proof.
+  pose proof (COS_bound a) as B. pose proof (circle_positive a) as P. assert (0 < 1 - rho * cos a) by nra.
+  pose proof (sine_squared a) as Q.
+  unfold turn. auto_derive; [lra |]. unfold circle in *. field [Q].
+  replace (1 + rho ^ 2 - 2 * rho * cos a) with ((1 - rho * cos a) ^ 2 + (rho * sin a) ^ 2) in P by ring [Q].
+  repeat split; try lra. nra.
+Qed.
+Lemma derive_log_circle a : is_derive (fun a => ln (circle a)) a (2 * rho * sin a / circle a).
+Proof. pose proof (circle_positive a) as P. unfold circle in *. auto_derive; [exact P | field; lra]. Qed.
+Lemma turn_odd a : turn (- a) = - turn a.
+Proof.
+  unfold turn. rewrite sin_neg, cos_neg, Ropp_mult_distr_r_reverse. unfold Rdiv.
+  rewrite Ropp_mult_distr_l_reverse, atan_opp. ring.
+Qed.
+Lemma turn_beside_half a : turn (PI + - a) = 2 * PI - turn (PI + a).
+Proof.
+  unfold turn. replace (PI + - a) with (- (- PI + a)) by ring.
+  rewrite sin_neg, cos_neg. replace (- PI + a) with (PI + a - 2 * PI) by ring.
+  rewrite sin_minus, cos_minus, sin_2PI, cos_2PI, !Rmult_1_r, !Rmult_0_r, Rminus_0_r, Rplus_0_r.
+  replace (rho * - sin (PI + a) / (1 - rho * cos (PI + a))) with (- (rho * sin (PI + a) / (1 - rho * cos (PI + a)))) by (unfold Rdiv; ring).
+  rewrite atan_opp. ring.
+Qed.
+Lemma continuous_kernel a : continuous (fun a => (1 - rho ^ 2) / circle a) a.
+Proof.
+  pose proof (circle_positive a) as P. unfold circle in *.
+  apply (ex_derive_continuous (V := R_NormedModule)). auto_derive. lra.
+Qed.
+Lemma continuous_conjugate a : continuous (fun a => 2 * rho * sin a / circle a) a.
+Proof.
+  pose proof (circle_positive a) as P. unfold circle in *.
+  apply (ex_derive_continuous (V := R_NormedModule)). auto_derive. lra.
+Qed.
+End Poisson.
+Lemma derive_shifted (F f : R -> R) b a : is_derive F (a + b) (f (a + b)) -> is_derive (fun t => F (t + b)) a (f (a + b)).
+Proof.
+  intro D. replace (f (a + b)) with (1 * f (a + b)) by ring.
+  apply (is_derive_comp F (fun t => t + b)); [exact D | auto_derive; [exact Logic.I | reflexivity]].
+Qed.
+Lemma continuous_shifted (f : R -> R) b a : (forall a, continuous f a) -> continuous (fun t => f (t + b)) a.
+Proof.
+  intro C. apply (continuous_comp (fun t => t + b) f); [| apply C].
+  apply (ex_derive_continuous (V := R_NormedModule)). auto_derive. exact Logic.I.
+Qed.
+(* the integral of a function of t + b *)
+Lemma rise_shifted (F f : R -> R) b : (forall a, is_derive F a (f a)) -> (forall a, continuous f a) ->
+  is_RInt (fun t => f (t + b)) 0 PI (F (PI + b) - F (0 + b)).
+Proof. intros D C. apply (rise_of (fun t => F (t + b))); intro t; [apply derive_shifted, D | apply continuous_shifted, C]. Qed.
+
+(*# linear_pole *)
+(* 1/(v + w), w > 0; S is the root of w (w + 2 V) *)
+Lemma linear_pole V w S : 0 < V -> 0 < w -> 0 < S -> S ^ 2 = w * (w + 2 * V) ->
+  is_RInt (fun t => / (V * (1 - cos t) + w)) 0 PI (PI / S).
+Proof.
+  intros HV Hw HS E. pose (rho := (w + V - S) / V).
+  assert (S < w + V) by (apply less_of_squares; [lra | rewrite E; nra]).
+  assert (w < S) by (apply less_of_squares; [lra | rewrite E; nra]).
+  assert (Hrho : 0 < rho < 1) by (unfold rho; split; [apply Rdiv_lt_0_compat; lra | apply Rlt_div_l; lra]).
+  replace (PI / S) with (/ S * (turn rho PI - turn rho 0)).
+  2: { unfold turn. rewrite sin_PI, sin_0, !Rmult_0_r. unfold Rdiv. rewrite !Rmult_0_l, atan_0. ring. }
+  apply (is_RInt_ext (fun t => / S * ((1 - rho ^ 2) / circle rho t))).
+  - intros t _. pose proof (COS_bound t). pose proof (circle_positive rho Hrho t). assert (0 < V * (1 - cos t) + w) by nra.
+    change_to_reals.
+    assert (C : circle rho t = 2 * rho / V * (V * (1 - cos t) + w)) by (unfold circle, rho; field [E]; lra).
+    assert (D : 1 - rho ^ 2 = 2 * rho / V * S) by (unfold rho; field [E]; lra).
+    rewrite C, D. field. lra.
+  - apply integral_times, (rise_of (turn rho)); intro t; [apply derive_turn, Hrho | apply continuous_kernel, Hrho].
+Qed.
+
+(*# quadratic_pole *)
+(* 1/q and v/q, q = v^2 + b v + c with complex zeros; m and X are the roots of its values at 0 and 2 V *)
+Lemma quadratic_positive b c d y : 0 < d -> 4 * c = b ^ 2 + d -> 0 < y ^ 2 + b * y + c.
+Proof. intros. pose proof (pow2_ge_0 (2 * y + b)). lra. Qed.
+Section Quadratic.
+Variables V b c d m X Z : R.
+Hypothesis (HV : 0 < V) (Hm : 0 < m) (HX : 0 < X) (HZ : 0 < Z) (Hd : 0 < d) (Ed : 4 * c = b ^ 2 + d).
+Hypothesis (Em : m ^ 2 = c) (EX : X ^ 2 = c + 2 * b * V + 4 * V ^ 2) (EZ : Z ^ 2 = 2 * (c + b * V + m * X)).
+Let rho := (m + X - Z) / (2 * V).
+Let C := (X - m) / (2 * V).
+Let e := acos C.
+Let v t := V * (1 - cos t).
+Let q t := v t ^ 2 + b * v t + c.
+Lemma b_by_roots : b = (X ^ 2 - m ^ 2) / (2 * V) - 2 * V.
+Proof. rewrite EX, Em. field. lra. Qed.
+Lemma Z_by_roots : Z ^ 2 = (m + X) ^ 2 - 4 * V ^ 2.
+Proof. rewrite EZ. replace ((m + X) ^ 2) with (m ^ 2 + 2 * m * X + X ^ 2) by ring. rewrite EX, Em. ring. Qed.
+Lemma q_positive t : 0 < q t.
+Proof. apply (quadratic_positive b c d); assumption. Qed.
+Lemma X_between : - (2 * V) < X - m < 2 * V /\ 2 * V < X + m.
+Proof.
+  assert (b < 2 * m) by (apply less_of_squares; [lra | nra]). assert (- b < 2 * m) by (apply less_of_squares; [lra | nra]).
+  assert (X < m + 2 * V) by (apply less_of_squares; [lra | rewrite EX; nra]).
+  assert (2 * V - m < X) by (apply less_of_squares; [lra | rewrite EX; nra]).
+  assert (m - 2 * V < X) by (apply less_of_squares; [lra | rewrite EX; nra]). lra.
+Qed.
+Lemma rho_inside : 0 < rho < 1.
+Proof.
+  pose proof Z_by_roots. destruct X_between as [_ ?].
+  assert (Z < m + X) by (apply less_of_squares; nra). assert (m + X - 2 * V < Z) by (apply less_of_squares; nra).
+  unfold rho. split; [apply Rdiv_lt_0_compat; lra | apply Rlt_div_l; lra].
+Qed.
+Lemma C_inside : -1 < C < 1.
+Proof. destruct X_between as [? _]. unfold C. split; [apply Rlt_div_r | apply Rlt_div_l]; lra. Qed.
+Lemma cosine_is : cos e = C.
+Proof. pose proof C_inside. apply cos_acos. lra. Qed.
+Lemma sine_positive : 0 < sin e.
+Proof. pose proof C_inside. unfold e. rewrite sin_acos by lra. apply sqrt_lt_R0. unfold Rsqr. nra. Qed.
+Lemma product_of_circles t : circle rho (t + - e) * circle rho (t + e) = (2 * rho / V) ^ 2 * q t.
+Proof.
+  assert (Q : sin e * sin e = 1 - C * C) by (rewrite <- cosine_is; apply sine_squared).
+  pose proof (sine_squared t) as Q'.
+  pose proof Z_by_roots as Q''. unfold circle. rewrite !cos_plus, cos_neg, sin_neg, cosine_is.
+  transitivity ((1 + rho ^ 2 - 2 * rho * cos t * C) ^ 2 - 4 * rho ^ 2 * (1 - cos t * cos t) * (1 - C * C)); [rewrite <- Q, <- Q'; ring |].
+  unfold q, v. rewrite <- Em, b_by_roots. unfold C, rho. field [Q'']. lra.
+Qed.
+Lemma sum_of_kernels : is_RInt (fun t => (m + X - (X - m) * cos t) / q t) 0 PI (4 * PI / Z).
+Proof.
+  pose proof rho_inside as R.
+  replace (4 * PI / Z) with (2 / Z * ((turn rho (PI + - e) - turn rho (0 + - e)) + (turn rho (PI + e) - turn rho (0 + e)))).
+  2: { replace (0 + - e) with (- e) by ring. rewrite Rplus_0_l, (turn_odd rho e), (turn_beside_half rho e). field. lra. }
+  apply (is_RInt_ext (fun t => 2 / Z * ((1 - rho ^ 2) / circle rho (t + - e) + (1 - rho ^ 2) / circle rho (t + e)))).
+  - intros t _. pose proof (circle_positive rho R (t + - e)). pose proof (circle_positive rho R (t + e)). pose proof (q_positive t).
+    change_to_reals.
+    transitivity (2 / Z * ((1 - rho ^ 2) * (circle rho (t + - e) + circle rho (t + e)) / (circle rho (t + - e) * circle rho (t + e)))); [field; lra |].
+    rewrite product_of_circles. replace (circle rho (t + - e) + circle rho (t + e)) with (2 * rho / V * (m + X - (X - m) * cos t)).
+    + replace (1 - rho ^ 2) with (rho / V * Z) by (unfold rho; field [Z_by_roots]; lra). field. repeat split; lra.
+    + unfold circle. rewrite !cos_plus, cos_neg, sin_neg, cosine_is. unfold C, rho. field [Z_by_roots]. lra.
+  - apply integral_times, integral_plus; apply (rise_shifted (turn rho) (fun a => (1 - rho ^ 2) / circle rho a)); intro a;
+      [apply derive_turn, R | apply continuous_kernel, R | apply derive_turn, R | apply continuous_kernel, R].
+Qed.
+Lemma difference_of_kernels : is_RInt (fun t => ((m + X) * cos t - (X - m)) / q t) 0 PI 0.
+Proof.
+  pose proof rho_inside as R. pose proof sine_positive as P.
+  pose (F a := ln (circle rho a)). pose (f a := 2 * rho * sin a / circle rho a).
+  assert (J : / (sin e * V) * ((F (PI + e) - F (0 + e)) + -1 * (F (PI + - e) - F (0 + - e))) = 0).
+  { unfold F, circle. assert (E : forall s, sin s = 0 -> cos (s + - e) = cos (s + e)) by (intros s Es; rewrite !cos_plus, cos_neg, Es; ring).
+    rewrite (E PI sin_PI), (E 0 sin_0). ring. }
+  rewrite <- J at 2.
+  apply (is_RInt_ext (fun t => / (sin e * V) * (f (t + e) + -1 * f (t + - e)))).
+  - intros t _. pose proof (circle_positive rho R (t + - e)). pose proof (circle_positive rho R (t + e)). pose proof (q_positive t).
+    pose proof (sine_squared t) as Q.
+    change_to_reals.
+    transitivity (/ (sin e * V) * (2 * rho * (sin (t + e) * circle rho (t + - e) - sin (t + - e) * circle rho (t + e)) / (circle rho (t + - e) * circle rho (t + e)))); [unfold f; field; repeat split; lra |].
+    rewrite product_of_circles. replace (sin (t + e) * circle rho (t + - e) - sin (t + - e) * circle rho (t + e)) with (2 * sin e * rho / V * ((m + X) * cos t - (X - m))).
+    + field. repeat split; lra.
+    + unfold circle. rewrite !cos_plus, !sin_plus, cos_neg, sin_neg, cosine_is. unfold C, rho. field [Z_by_roots Q]. lra.
+  - apply integral_times, integral_plus; [| apply integral_times]; apply (rise_shifted F f); intro a;
+      [apply derive_log_circle, R | apply continuous_conjugate, R | apply derive_log_circle, R | apply continuous_conjugate, R].
+Qed.
+Lemma quadratic_pole : is_RInt (fun t => / q t) 0 PI (PI * (m + X) / (Z * m * X)).
+Proof.
+  pose proof X_between. replace (PI * (m + X) / (Z * m * X)) with ((m + X) / (4 * m * X) * (4 * PI / Z) + (X - m) / (4 * m * X) * 0) by (field; lra).
+  apply (is_RInt_ext (fun t => (m + X) / (4 * m * X) * ((m + X - (X - m) * cos t) / q t) + (X - m) / (4 * m * X) * (((m + X) * cos t - (X - m)) / q t))).
+  - intros t _. pose proof (q_positive t). change_to_reals. field. repeat split; lra.
+  - apply integral_plus; apply integral_times; [exact sum_of_kernels | exact difference_of_kernels].
+Qed.
+Lemma quadratic_pole_at_speed : is_RInt (fun t => v t / q t) 0 PI (2 * PI * V / (Z * X)).
+Proof.
+  pose proof X_between. replace (2 * PI * V / (Z * X)) with (V / (2 * X) * (4 * PI / Z) + - V / (2 * X) * 0) by (field; lra).
+  apply (is_RInt_ext (fun t => V / (2 * X) * ((m + X - (X - m) * cos t) / q t) + - V / (2 * X) * (((m + X) * cos t - (X - m)) / q t))).
+  - intros t _. pose proof (q_positive t). change_to_reals. unfold v. field. repeat split; lra.
+  - apply integral_plus; apply integral_times; [exact sum_of_kernels | exact difference_of_kernels].
+Qed.
+End Quadratic.
 
 (*# scale *)
 (* The integral of a profile over speeds in units of a scale, and that of a term of a law *)

@@ -109,55 +109,90 @@ Qed.
 (*# weight *)
 Definition w (s : R) : R := 2 / PI * sqrt (1 - s ^ 2).
 
+(*# pole *)
+Lemma $pole : is_RInt (fun t => $fraction) 0 PI ($integral).
+Proof. ${facts}unfold speed. apply ($lemma); first [positive | with_roots (field$using)]. Qed.
+(*# angle *)
+(* ---- A term of the slope: a function whose derivative it is but for its poles, and its integral ---- *)
+Definition slope$label (v : R) : R := $slope.
+Definition rise$label (t : R) : R := $rise.
+Definition I$label : R := $value.
+$poles
+Lemma rest$label : is_RInt (fun t => sin t ^ 2 * slope$label (speed t)$remaining) 0 PI (rise$label PI - rise$label 0).
+Proof.
+  apply (rise_of rise$label); intro t; pose proof (speed_low t); pose proof (sine_squared t) as Q;$positive
+    pose proof (COS_bound t) as [cos_low cos_high]; unfold slope$label, speed in *.
+  - unfold rise$label. auto_derive; [positive | field [Q]; positive].
+  - apply (ex_derive_continuous (V := R_NormedModule)). auto_derive. positive.
+Qed.
+Lemma angle$label : is_RInt (fun t => sin t ^ 2 * slope$label (speed t)) 0 PI I$label.
+Proof.
+  replace I$label with (rise$label PI - rise$label 0$risen) by (unfold I$label, rise$label; rewrite ?sin_PI, ?sin_0; unfold Rdiv; ring).
+  apply (is_RInt_ext (fun t => sin t ^ 2 * slope$label (speed t)$remaining$restored)).
+  - intros t _. change_to_reals. ring.
+  - exact $integrals.
+Qed.
+
+(*# share_over_angle *)
+Lemma share$label : $share = - N * (2 / PI) * ($amplitude * I$label).
+Proof.
+  $equality
+Qed.
 (*# harmonic *)
 (* ---- The proof, over the angle t of v = V (1 - cos t) ---- *)
-Definition slope (v : R) : R := $slope.
 Definition speed (t : R) : R := V * (1 - cos t).
-Definition rise (t : R) : R := - N * (2 / PI) * ($rise).
-Definition integrand (v : R) : R := - N * w (v / V - 1) * Derive mu v / V.
-Definition over_angle (t : R) : R := - N * (2 / PI) * (sin t ^ 2 * slope (speed t)).
-Lemma slope_is v : Derive mu v = slope v.
-Proof. apply is_derive_unique. unfold mu, slope. auto_derive; [exact Logic.I | field; positive]. Qed.
-Lemma integrand_continuous v : continuous integrand v.
+Lemma speed_low t : 0 <= speed t.
+Proof. pose proof (COS_bound t). unfold speed. apply Rmult_le_pos; lra. Qed.
+$terms
+(* ---- The slope is the sum of its terms, and c that of their integrals ---- *)
+Definition slope (v : R) : R := $slope.
+Lemma slope_is v : 0 <= v -> Derive mu v = slope v.
+Proof. intro v_low. apply is_derive_unique. unfold mu, slope, $slopes. auto_derive; [positive | field; positive]. Qed.
+$shares
+Lemma c_is : c = - N * (2 / PI) * ($values).
 Proof.
-  apply (continuous_ext (fun v => - N * (2 / PI * sqrt (1 - (v / V - 1) ^ 2)) * slope v * / V)).
-  { intro y. unfold integrand, w. rewrite slope_is. reflexivity. }
-  apply (continuous_mult (fun v => - N * (2 / PI * sqrt (1 - (v / V - 1) ^ 2)) * slope v) (fun _ => / V)); [| apply continuous_const].
-  apply (continuous_mult (fun v => - N * (2 / PI * sqrt (1 - (v / V - 1) ^ 2))) slope).
+  $c_equality
+Qed.
+Lemma by_angle : is_RInt (fun t => - N * (2 / PI) * (sin t ^ 2 * slope (speed t))) 0 PI c.
+Proof.
+  rewrite c_is. apply integral_times, (is_RInt_ext (fun t => $integrand)).
+  - intros t _. change_to_reals. unfold slope. ring.
+  - exact $integrals.
+Qed.
+Definition integrand (v : R) : R := - N * w (v / V - 1) * slope v / V.
+Lemma integrand_continuous v : 0 <= v -> continuous integrand v.
+Proof.
+  intro v_low. apply (continuous_mult (fun v => - N * w (v / V - 1) * slope v) (fun _ => / V)); [| apply continuous_const].
+  apply (continuous_mult (fun v => - N * w (v / V - 1)) slope).
   - apply (continuous_mult (fun _ => - N)); [apply continuous_const |].
     apply (continuous_mult (fun _ => 2 / PI)); [apply continuous_const |].
     apply (continuous_comp (fun v => 1 - (v / V - 1) ^ 2) sqrt); [| apply continuous_sqrt].
     apply (ex_derive_continuous (V := R_NormedModule)). auto_derive. positive.
-  - apply (ex_derive_continuous (V := R_NormedModule)). unfold slope. auto_derive. exact Logic.I.
+  - apply (ex_derive_continuous (V := R_NormedModule)). unfold slope, $slopes. auto_derive. positive.
 Qed.
-Lemma by_angle : is_RInt over_angle 0 PI c.
-Proof.
-  pose proof PI_RGT_0. replace c with (minus (rise PI) (rise 0)).
-  - apply (is_RInt_derive rise over_angle); intros t _.
-    + unfold rise, over_angle, slope, speed. auto_derive; [exact Logic.I |].
-      assert (Q : sin t * sin t = 1 - cos t * cos t) by (pose proof (sin2_cos2 t) as E; unfold Rsqr in E; lra).
-      field [Q]; positive.
-    + apply (ex_derive_continuous (V := R_NormedModule)). unfold over_angle, slope, speed. auto_derive. exact Logic.I.
-  - change (rise PI - rise 0 = c). unfold rise, c. rewrite ?sin_PI, ?cos_PI, ?sin_0, ?cos_0. field; positive.
-Qed.
-Theorem criterion : is_RInt (fun v => - N * w (v / V - 1) * Derive mu v / V) 0 (2 * V) c.
+Lemma over_speed : is_RInt integrand 0 (2 * V) c.
 Proof.
   pose proof PI_RGT_0.
   assert (S : is_RInt (fun t => scal (V * sin t) (integrand (speed t))) 0 PI (RInt integrand (speed 0) (speed PI))).
   { apply (is_RInt_comp (V := R_CompleteNormedModule) integrand speed (fun t => V * sin t)); intros t _.
-    - apply integrand_continuous.
+    - apply integrand_continuous, speed_low.
     - split; [unfold speed; auto_derive; [exact Logic.I | ring] |].
       apply (ex_derive_continuous (V := R_NormedModule)). auto_derive. exact Logic.I. }
   replace (speed 0) with 0 in S by (unfold speed; rewrite cos_0; ring).
   replace (speed PI) with (2 * V) in S by (unfold speed; rewrite cos_PI; ring).
-  assert (T : is_RInt over_angle 0 PI (RInt integrand 0 (2 * V))).
+  assert (T : is_RInt (fun t => - N * (2 / PI) * (sin t ^ 2 * slope (speed t))) 0 PI (RInt integrand 0 (2 * V))).
   { revert S. apply is_RInt_ext. rewrite Rmin_left, Rmax_right by lra. intros t Ht.
-    change (V * sin t * integrand (speed t) = over_angle t).
-    unfold integrand, over_angle, w. rewrite slope_is. replace (1 - (speed t / V - 1) ^ 2) with (sin t ^ 2).
+    change (V * sin t * integrand (speed t) = - N * (2 / PI) * (sin t ^ 2 * slope (speed t))).
+    unfold integrand, w. replace (1 - (speed t / V - 1) ^ 2) with (sin t ^ 2).
     - rewrite sqrt_pow2 by (apply Rlt_le, sin_gt_0; lra). field; positive.
-    - pose proof (sin2_cos2 t) as E. unfold Rsqr in E. unfold speed.
-      replace (V * (1 - cos t) / V - 1) with (- cos t) by (field; positive). lra. }
-  change (is_RInt integrand 0 (2 * V) c). replace c with (RInt integrand 0 (2 * V)).
-  - apply (RInt_correct (V := R_CompleteNormedModule)), ex_RInt_continuous. intros x _. apply integrand_continuous.
+    - pose proof (sine_squared t). unfold speed. replace (V * (1 - cos t) / V - 1) with (- cos t) by (field; positive). lra. }
+  replace c with (RInt integrand 0 (2 * V)).
+  - apply (RInt_correct (V := R_CompleteNormedModule)), ex_RInt_continuous. intros v range. apply integrand_continuous.
+    rewrite Rmin_left in range by lra. lra.
   - rewrite <- (is_RInt_unique _ _ _ _ T). exact (is_RInt_unique _ _ _ _ by_angle).
+Qed.
+Theorem criterion : is_RInt (fun v => - N * w (v / V - 1) * Derive mu v / V) 0 (2 * V) c.
+Proof.
+  apply (is_RInt_ext integrand); [| exact over_speed].
+  intros v range. rewrite Rmin_left in range by lra. unfold integrand. rewrite slope_is by lra. reflexivity.
 Qed.
