@@ -25,7 +25,7 @@ SIZE, SCALE = (1067, 1345), 0.75  # of the picture of the study, in pixels of th
 PATIENCE = "3000"  # seconds for each part of the study, and for all methods: none is left out on a busy machine
 SHORTER = """
 from stickslip_sym.comparison import tradeoff
-tradeoff._PERIODS /= 10
+tradeoff._TIME_OF_RUN /= 10
 tradeoff.SCAN_STEP *= 10
 tradeoff.SPEEDS = tradeoff.SPEEDS[9:10]
 """

@@ -18,7 +18,7 @@ from stickslip_sym.criteria.decay import vanishing
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.output import printing
 
-_GUARD = 64  # bits beyond those of the enclosure
+_BITS_BEYOND_ENCLOSURE = 64  # bits beyond those of the enclosure
 
 
 def certificate_of_enclosure(
@@ -48,7 +48,7 @@ def certificate_of_enclosure(
         name=criterion.name,
         law="\n".join(lines),
         definition=definition,
-        bits=_bits(low, high) + _GUARD,
+        bits=_bits(low, high) + _BITS_BEYOND_ENCLOSURE,
         scene=f"{in_flint.flint_rational(V)}, {in_flint.flint_rational(N)}",
         parameters=script.parameters,
         low=_dyadic(low),

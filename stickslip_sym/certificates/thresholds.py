@@ -19,7 +19,7 @@ from stickslip_sym.core.precision import working_precision
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Undecided, flow
 from stickslip_sym.output.sections import sections
 
-_GUARD = 32  # bits beyond those of the proof, whose boxes are a little narrower
+_BITS_BEYOND_PROOF = 32  # bits beyond those of the proof, whose boxes are a little narrower
 
 
 def certificate_of_threshold(
@@ -41,7 +41,7 @@ def certificate_of_threshold(
     """
     law, page = point.law, sections(Path(__file__).with_suffix(".txt"))
     script = LawInFlint(law.bound, page["page"])
-    bits += _GUARD + _widening(point, ends[1])
+    bits += _BITS_BEYOND_PROOF + _widening(point, ends[1])
     with working_precision(bits):
         begins_analytic = _is_analytic_at_rest(point)
     borders = [f'"{end}"' for end in script.ends] + ["None"] * (law.v_max is None)

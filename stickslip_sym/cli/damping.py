@@ -13,7 +13,7 @@ from stickslip_sym.cli.output import Json, echo_all, show_progress
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.files import write_text
 
-_RTOL = 1e-10  # asked of every method that can be made more accurate, with --all
+_TIGHTEST_RTOL = 1e-10  # asked of every method that can be made more accurate, with --all
 
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def run(given: Given) -> None:
         given.reject_unused()
         if method is None:
             with show_progress("thresholds by every method"):
-                compared = ss.compare(at.law, None, rtol=min(rtol, _RTOL), time_limit=limit, **at.texts)
+                compared = ss.compare(at.law, None, rtol=min(rtol, _TIGHTEST_RTOL), time_limit=limit, **at.texts)
             contents.append({"operating_point": at, "rows": compared.rows})
             texts.append(f"{at}\n\n{compared}")
             if plot is not None:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from stickslip_sym.formula.closed_form import ClosedForm
 
 SECONDS = 120.0  # of the search for one closed form
-_LONGEST = 4000  # characters of a formula on the screen
+_MOST_FORMULA_CHARACTERS = 4000  # characters of a formula on the screen
 
 
 @options.command(
@@ -106,9 +106,9 @@ def _form_lines(form: ClosedForm) -> list[str]:
         return [repr(form), "", shown, "", form.verdict.evidence]
     general, letters = form.readable
     shown = abbreviation.indented_equation("c", general.expr)
-    if len(shown) > _LONGEST:
+    if len(shown) > _MOST_FORMULA_CHARACTERS:
         size = len(printing.text(general.expr))
-        shown = f"{shown[:_LONGEST]}... ({size} characters; --latex and --json write it whole)"
+        shown = f"{shown[:_MOST_FORMULA_CHARACTERS]}... ({size} characters; --latex and --json write it whole)"
     values = ", ".join(
         f"{letter} = {printing.value(value)}" for letter, value in letters.items() if general.expr.has(letter)
     )

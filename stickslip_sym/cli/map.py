@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from stickslip_sym.motion.maps.motions import MotionMap
 
 _AXIS = "NAME=START:STOP:COUNT"
-_MOST_VALUES = 1_000_000
+_MOST_AXIS_VALUES = 1_000_000
 _WIDTH, _HEIGHT = 60, 20  # of the picture in text
 
 
@@ -39,10 +39,10 @@ def read_axis_option(text: str, option: str, law: ss.FrictionLaw) -> tuple[str, 
         for which, end in zip(("start", "stop"), ends, strict=True)
     )
     count = int(parts[2]) if parts[2].isdecimal() and len(parts[2]) <= 7 else 0
-    if not 1 <= count <= _MOST_VALUES or start > stop or (start == stop) != (count == 1):
+    if not 1 <= count <= _MOST_AXIS_VALUES or start > stop or (start == stop) != (count == 1):
         raise InputError(
             f"{option} {text[:60]!r}: the start must lie below the stop, or equal it with a count of 1; and "
-            f"the count must be a whole number from 1 to {_MOST_VALUES}"
+            f"the count must be a whole number from 1 to {_MOST_AXIS_VALUES}"
         )
     return name, np.linspace(start, stop, count)
 

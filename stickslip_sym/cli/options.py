@@ -19,7 +19,7 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.operating_point import PAPER
 
 _PICTURES = (".svg", ".png", ".pdf")
-_LARGEST = 10**20
+_LARGEST_IN_SI = 10**20
 """Of a number in SI units, and its inverse the smallest: beyond, no table could be computed in doubles."""
 
 
@@ -125,10 +125,10 @@ def read_number(text: Any, name: str) -> float:
     from stickslip_sym.core.numbers import fraction
 
     value = fraction(text, name)
-    if value and not 1 <= abs(value) * _LARGEST <= _LARGEST**2:
+    if value and not 1 <= abs(value) * _LARGEST_IN_SI <= _LARGEST_IN_SI**2:
         raise InputError(
             f"{name} is too {'large' if abs(value) > 1 else 'small'}; "
-            f"give a size from {1 / _LARGEST:g} to {_LARGEST:g} in SI units"
+            f"give a size from {1 / _LARGEST_IN_SI:g} to {_LARGEST_IN_SI:g} in SI units"
         )
     return float(value)
 

@@ -33,7 +33,7 @@ Json = dict[str, Any]
 PRINTED = "stickslip_sym: an object of JSON"
 """Marks a call that has printed one: an error that follows prints no second."""
 _FORMAT = 3
-_LONGEST = 60  # characters of what is under way
+_MOST_STEP_CHARACTERS = 60  # characters of what is under way
 
 
 @contextmanager
@@ -61,7 +61,7 @@ def show_progress(what: str) -> Iterator[None]:
 
 
 def _progress_text(step: StepOfWork) -> str:
-    words = step.what if len(step.what) <= _LONGEST else f"{step.what[:_LONGEST]}..."
+    words = step.what if len(step.what) <= _MOST_STEP_CHARACTERS else f"{step.what[:_MOST_STEP_CHARACTERS]}..."
     return f"{words} ({step.done} of {step.total})" if step.total > 1 else words
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from stickslip_sym.motion.simulation.trajectory import Trajectory
 
 _MOST_ROWS = 40  # of the table; the rest is in the file that --csv writes
-_LONGEST = 5.0  # seconds, to find where the motion leads
+_SECONDS_FOR_MOTION = 5.0  # seconds, to find where the motion leads
 
 
 @options.command(
@@ -49,7 +49,10 @@ def run(given: Given) -> None:
     end = None
     if motion.motion not in (ss.Motion.REST, ss.Motion.STICK_SLIP, ss.Motion.PURE_SLIP, ss.Motion.UNBOUNDED):
         try:
-            with show_progress("what it comes to"), limited(min(_LONGEST, how["time_limit"] or _LONGEST)):
+            with (
+                show_progress("what it comes to"),
+                limited(min(_SECONDS_FOR_MOTION, how["time_limit"] or _SECONDS_FOR_MOTION)),
+            ):
                 end = ss.classify(at.law, osc, **initial).value
         except ss.StickSlipError as error:
             end = f"not found: {error}"

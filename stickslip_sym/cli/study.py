@@ -14,7 +14,7 @@ from stickslip_sym.cli.output import echo_all, show_progress
 from stickslip_sym.core.errors import InputError
 
 _PAGE, _PAGES = "study.html", (".html", ".htm", ".xhtml")
-_SECONDS = 20.0  # for the criteria of a page with sliders
+_SECONDS_FOR_CRITERIA = 20.0  # for the criteria of a page with sliders
 
 
 @options.command(
@@ -94,7 +94,7 @@ def run(given: Given) -> None:
                 explored = explorer(
                     point.law if best is None else best.law.bind(**best.uncertain), osc, title=name or "",
                     errors=carried_by(osc, point.texts), measured=measured if best is None else best.measured,
-                    time_limit=limit or _SECONDS,
+                    time_limit=limit or _SECONDS_FOR_CRITERIA,
                 )  # fmt: skip
             write_text(sliders, explored)
             written.append(f"{sliders}: {len(explored) / 1000:.0f} kB, with sliders")

@@ -23,11 +23,14 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 
-_LARGE = 0.05  # relative difference of two values from which on its reason is named
+_NAMED_DIFFERENCE = 0.05  # relative difference of two values from which on its reason is named
 _STIFFER = 1e4  # times the stiffness: N/(V sqrt(k m)) falls to a hundredth, where friction is weak
-_SHOWN, _DIGITS = 1e-11, 12  # relative error of the threshold in the table, and digits of it: the last may be off
-_RTOL = 1e-6  # of the thresholds that a difference is explained by
-_FEWEST = 5  # points of which one may be left out
+_SHOWN_RTOL, _THRESHOLD_DIGITS = (
+    1e-11,
+    12,
+)  # relative error of the threshold in the table, and digits of it: the last may be off
+_EXPLAINED_RTOL = 1e-6  # of the thresholds that a difference is explained by
+_FEWEST_POINTS = 5  # points of which one may be left out
 
 
 @dataclass(frozen=True, repr=False)
@@ -52,14 +55,14 @@ def crosscheck(
         methods["closed form"] = partial(form.evaluate, digits, **at)
     methods |= {
         f"quadrature, {digits} digits": partial(quadrature.damping, law, criterion, **at, digits=digits),
-        "event-driven threshold": partial(_simulated, law, numbers, _SHOWN),
+        "event-driven threshold": partial(_simulated, law, numbers, _SHOWN_RTOL),
     }
     error = scatter(law, criterion, numbers["V"], numbers["N"])
     values = list[Mpf | float]()
 
     def judge(value: Mpf | float) -> dict[str, Any]:
         values.append(value)
-        shown = digits if isinstance(value, mpmath.mpf) else _DIGITS
+        shown = digits if isinstance(value, mpmath.mpf) else _THRESHOLD_DIGITS
         with mp.workdps(digits):
             value = mp.mpf(value)
             if error and value:
@@ -73,13 +76,13 @@ def crosscheck(
     if error:
         text = f"the points' scatter alone makes that +-{error:.1g} kg/s, one standard error (jackknife)"
         remarks.append(f"measured points: {text}")
-    if values and values[0] and (rows[-1].relative_error or 0.0) > _LARGE:
+    if values and values[0] and (rows[-1].relative_error or 0.0) > _NAMED_DIFFERENCE:
         reasons = differences(law, criterion, numbers, float(values[0]), float(values[-1]))
         remarks += [f"why the threshold differs: {text}" for text in reasons]
     return CrossCheck(criterion.name, tuple(rows), point, tuple(remarks))
 
 
-def _simulated(law: FrictionLaw, point: Mapping[str, float], rtol: float = _RTOL) -> float:
+def _simulated(law: FrictionLaw, point: Mapping[str, float], rtol: float = _EXPLAINED_RTOL) -> float:
     return float(pure_slip_damping(law, **point, method="simulation", rtol=rtol).value)
 
 
@@ -96,20 +99,22 @@ def differences(
 
     weak = float(slope_average(law, harmonic)(V=point["V"], N=point["N"]))
     reasons = []
-    if criterion != harmonic and abs(weak - value) > _LARGE * abs(value):
+    if criterion != harmonic and abs(weak - value) > _NAMED_DIFFERENCE * abs(value):
         reasons.append(
             f"the weight: for weak friction the threshold is the harmonic average, {weak:.4g} kg/s, and the "
             f"criterion {criterion.name} weighs other slip speeds"
         )
     if law.static is not None:
         without = simulated(law.with_static(None))
-        if abs(without - threshold) > _LARGE * abs(threshold):
+        if abs(without - threshold) > _NAMED_DIFFERENCE * abs(threshold):
             reasons.append(
                 "the static coefficient, which no slope average sees: without it the threshold is "
                 f"{without:.4g} kg/s"
             )
     stiff = simulated(law, k=point["k"] * _STIFFER)
-    if abs(stiff - weak) < abs(threshold - weak) / 3 and abs(threshold - stiff) > _LARGE * abs(threshold):
+    if abs(stiff - weak) < abs(threshold - weak) / 3 and abs(threshold - stiff) > _NAMED_DIFFERENCE * abs(
+        threshold
+    ):
         eta = point["N"] / (point["V"] * math.sqrt(point["k"] * point["m"]))
         reasons.append(
             f"friction that is not weak: N/(V sqrt(k m)) = {eta:.3g}; at a hundredth of that (k times 10^4) "
@@ -125,7 +130,7 @@ def scatter(law: FrictionLaw, criterion: Criterion, V: float, N: float) -> float
     end = law.curve.end
     points = [(place, cubic[0]) for place, cubic in zip(law.curve.places, law.curve.cubics, strict=True)]
     points += [] if end is None else [(end, exact(float(law.mu(float(end))), "mu"))]
-    if len(points) < _FEWEST:
+    if len(points) < _FEWEST_POINTS:
         return 0.0
     values, whole = [], law.kinetic.table  # between whose places all curves are smooth
     for i in range(1, len(points) - 1):

@@ -13,10 +13,10 @@ from stickslip_sym.model.fitting.weights import RANKED
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.output.data import DataResult
 
-_FEWEST = 5  # speeds, below which the range of the threshold is stated, and no decision
+_FEWEST_SPEEDS = 5  # speeds, below which the range of the threshold is stated, and no decision
 _AVERAGED = 6  # speeds, from which the average over laws decides, and not all laws together
 _DECIDED = 0.95  # probability from which a decision is stated
-_LEAST = 0.001  # probability that is shown as no more than that
+_LEAST_PROBABILITY = 0.001  # probability that is shown as no more than that
 _LEAST_OF_FEW = 0.01  # the same where laws cannot be ranked
 _NODES, _SHARES = np.polynomial.legendre.leggauss(24)  # friction is smooth there, but for a power of v
 
@@ -91,7 +91,7 @@ class Decision(DataResult):
         if self.averaged is None:
             return self.c < self.value
         possible = self._possible
-        if possible is None or self._speeds < _FEWEST:
+        if possible is None or self._speeds < _FEWEST_SPEEDS:
             return None
         if possible[0] > _DECIDED:
             return True
@@ -141,7 +141,7 @@ class Decision(DataResult):
     @property
     def least(self) -> float:
         """The probability that is shown as no more than that."""
-        return _LEAST_OF_FEW if self.few else _LEAST
+        return _LEAST_OF_FEW if self.few else _LEAST_PROBABILITY
 
     def _in_words(self, chance: float) -> str:
         shown = chance_in_words(chance, self.least)
@@ -188,7 +188,7 @@ class Decision(DataResult):
         where = f", friction below {self.averaged.lowest:.3g} m/s not measured,"
         where *= self.if_friction_builds_up is not None
         said += f"; the threshold is from {self.range_in_words} kg/s{where} by {laws}"
-        if self._speeds < _FEWEST:
+        if self._speeds < _FEWEST_SPEEDS:
             return f"{said}, and no decision is stated for {c}{advice}"
         if self._speeds >= _AVERAGED:
             chances, agree = f"P {self._in_words(self.chance)}", ""

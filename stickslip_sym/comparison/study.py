@@ -41,13 +41,13 @@ from stickslip_sym.output.files import write_text
 from stickslip_sym.output.shown import Report, views_of
 from stickslip_sym.output.tables import now
 
-_PERIODS = 8  # of free vibration, that the motion is shown for
+_PERIODS_SHOWN = 8  # of free vibration, that the motion is shown for
 _EACH = 20.0  # seconds that one part may take
-_RTOL = 1e-10  # of thresholds
+_STUDY_RTOL = 1e-10  # of thresholds
 _LOOSE = 1e-6  # of critical values
-_ROUGH = 1e-4  # of thresholds that are averaged over laws
-_SHARE = 5  # of the time for a part, that one quantity, method or law may take
-_SAMPLES = 200  # for the probability, where a threshold takes less than a millisecond
+_AVERAGED_RTOL = 1e-4  # of thresholds that are averaged over laws
+_PARTS_OF_TIME = 5  # of the time for a part, that one quantity, method or law may take
+_PROBABILITY_SAMPLES = 200  # for the probability, where a threshold takes less than a millisecond
 
 REACH = 3.0
 """Times a value, and its inverse: where margins are sought; no decision turns on those beyond."""
@@ -426,7 +426,7 @@ class _Subject:
     @property
     def each(self) -> float:
         """The seconds that one quantity, method or law of a part may take."""
-        return self.seconds / _SHARE
+        return self.seconds / _PARTS_OF_TIME
 
 
 def _computed(subject: _Subject) -> tuple[dict[str, Any], dict[str, str]]:
@@ -452,7 +452,7 @@ def _stated_error(threshold: Threshold[float]) -> float:
 
 def _answers(subject: _Subject) -> tuple[Row, ...]:
     """Return thresholds by every method, and keep the most accurate of those that are not proved for the rest."""
-    rows = compare(subject.law, rtol=_RTOL, time_limit=subject.each, **subject.point).rows
+    rows = compare(subject.law, rtol=_STUDY_RTOL, time_limit=subject.each, **subject.point).rows
     thresholds = [row.threshold for row in rows if row.method in ("simulation", "orbit")]
     known = [threshold for threshold in thresholds if threshold is not None]
     subject.threshold = min(known, key=_stated_error, default=None)
@@ -480,7 +480,7 @@ def _motions(subject: _Subject) -> Regime:
 def _motion(subject: _Subject) -> Trajectory:
     """Return the motion from x = 0 with the belt's speed."""
     osc = subject.oscillator
-    return simulate(subject.law, osc, t_end=_PERIODS * 2 * math.pi / osc.omega, x0=0.0, v0=osc.V)
+    return simulate(subject.law, osc, t_end=_PERIODS_SHOWN * 2 * math.pi / osc.omega, x0=0.0, v0=osc.V)
 
 
 def _thresholds_over_speed(subject: _Subject) -> Plane:
@@ -493,7 +493,7 @@ def _margins(subject: _Subject) -> Margins:
     law, osc, carried = subject.law, subject.oscillator, subject.carried
     quick = law.bound.obstacle(2 * osc.V) is None
     how: dict[str, Any] = {
-        "samples": _SAMPLES if quick and subject.fits is None else 0,
+        "samples": _PROBABILITY_SAMPLES if quick and subject.fits is None else 0,
         "rtol": _LOOSE,
         "reach": REACH,
         "each": subject.each,
@@ -518,7 +518,7 @@ def _choice(subject: _Subject) -> Averaged | None:
 
     def estimate(law: FrictionLaw) -> SimpleNamespace:
         shared = subject.threshold if law == subject.law else None
-        threshold = shared or pure_slip_damping(law, **subject.point, rtol=_ROUGH, time_limit=subject.each)
+        threshold = shared or pure_slip_damping(law, **subject.point, rtol=_AVERAGED_RTOL, time_limit=subject.each)
         return SimpleNamespace(
             value=threshold.value,
             uncertainty=threshold.budget and threshold.budget.uncertainty,

@@ -411,7 +411,7 @@ def _damping_between_thresholds(law: FrictionLaw, point: Mapping[str, float]) ->
 BAND = 1e-4  # m/s, the paper's
 _ITERATIONS = 3  # of the friction force in a Newmark step; it changes by 1e-4 relative in one
 _ROUND = 1.5 * 2 * math.pi  # time in 1/omega within which a slip comes back to the belt's speed, if it does
-_PERIODS = 80 * 2 * math.pi  # time of a run in 1/omega
+_TIME_OF_RUN = 80 * 2 * math.pi  # time of a run in 1/omega
 _LAST = 0.2  # of it, at its end, that decides about rest
 _QUIET = 0.1  # largest speed at rest, over the belt's
 _SMOOTHED = 0.01  # of the smoothed sign of the slip speed, over the belt's
@@ -477,7 +477,7 @@ def pure_slip_by_bisection(law: FrictionLaw, osc: Oscillator, high: float, rtol:
 
 def comes_to_rest(law: FrictionLaw, osc: Oscillator, x0: float, v0: float, rtol: float) -> bool:
     """Return whether a motion comes to rest, by slip up to the belt's speed and stick in closed form."""
-    run = simulate_by_solve_ivp(law, osc, x0, v0, _PERIODS / osc.omega, rtol, **_DEFAULTS)
+    run = simulate_by_solve_ivp(law, osc, x0, v0, _TIME_OF_RUN / osc.omega, rtol, **_DEFAULTS)
     return _is_quiet(run.t, run.v, osc)
 
 
@@ -494,7 +494,7 @@ def comes_to_rest_smoothed(law: FrictionLaw, osc: Oscillator, x0: float, v0: flo
         return y[1], (friction - osc.c * y[1] - osc.k * y[0]) / osc.m
 
     atol = _ABSOLUTE * rtol * np.array([osc.V / osc.omega, osc.V])
-    run = solve_ivp(rates, (0.0, _PERIODS / osc.omega), (x0, v0), method="LSODA", rtol=rtol, atol=atol)
+    run = solve_ivp(rates, (0.0, _TIME_OF_RUN / osc.omega), (x0, v0), method="LSODA", rtol=rtol, atol=atol)
     return _is_quiet(run.t, run.y[1], osc)
 
 

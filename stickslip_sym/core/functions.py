@@ -87,14 +87,14 @@ class Constant:
     in_laws: bool = False
 
 
-_MOST_BITS = 128  # of a rational number times the index of its root, up to which SymPy simplifies (1/4)^(3/2)
+_MOST_ROOT_BITS = 128  # of a rational number times the index of its root, up to which SymPy simplifies (1/4)^(3/2)
 
 
 def power(base: Expr, exponent: Expr) -> Expr:
     """Return a power, its rational factor kept as it is written where SymPy would expand it."""
     number, rest = base.as_coeff_Mul(rational=True) if not base.is_Rational else (base, sp.S.One)
     harmless = not exponent.is_Rational or exponent.is_Integer or number in (0, 1) or number.is_negative
-    if harmless or bits(number) * exponent.q <= _MOST_BITS:
+    if harmless or bits(number) * exponent.q <= _MOST_ROOT_BITS:
         return base**exponent
     of_number = NumberPower(number, exponent) if exponent > 0 else NumberPower(1 / number, -exponent)
     return of_number * rest**exponent

@@ -51,8 +51,8 @@ _MODULES: dict[str, list[Any]] = {
     "math": ["math", _FLOATS],
     "numpy": [{"power_of": power_of}, _FLOATS, "scipy", "numpy"],
 }
-_LONGEST = 2**62  # whole numbers above make NumPy leave its own types for Python's objects
-_DIGITS = 20  # of a number as text: enough that reading it back gives the nearest double
+_LARGEST_INTEGER = 2**62  # whole numbers above make NumPy leave its own types for Python's objects
+_DIGITS_OF_DOUBLE = 20  # of a number as text: enough that reading it back gives the nearest double
 
 
 def context_of(backend: Backend) -> Any:
@@ -102,7 +102,7 @@ class _Exact(MpmathPrinter):  # type: ignore[misc]  # SymPy is untyped
         super().__init__({"fully_qualified_modules": False, **settings})
 
     def _print_int(self, expr: int) -> str:
-        return hex(expr) if abs(expr) > _LONGEST else str(expr)
+        return hex(expr) if abs(expr) > _LARGEST_INTEGER else str(expr)
 
     def _print_Integer(self, expr: sp.Integer) -> str:
         return self._print_int(expr.p)
@@ -115,8 +115,8 @@ def _replace_large_numbers(expr: Expr) -> Expr:
             *((_replace_large_numbers(part), _replace_large_numbers(holds)) for part, holds in expr.args),
             evaluate=False,
         )
-    long = [number for number in expr.atoms(sp.Rational) if max(abs(number.p), number.q) > _LONGEST]
-    expr = expr.xreplace({number: sp.Float(number, _DIGITS) for number in long})
+    long = [number for number in expr.atoms(sp.Rational) if max(abs(number.p), number.q) > _LARGEST_INTEGER]
+    expr = expr.xreplace({number: sp.Float(number, _DIGITS_OF_DOUBLE) for number in long})
     power_function = sp.Function("power_of")
     return expr.replace(
         lambda node: is_multiplied(node) and abs(node.exp) > 1, lambda node: power_function(*node.args)

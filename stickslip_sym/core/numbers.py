@@ -34,7 +34,7 @@ Number = int | float | str | Fraction | Decimal | SupportsFloat
 SAME = 1e-12
 """Relative distance of two numbers that stand for one: it is more than the rounding of a handful of operations."""
 _DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,4})?")
-_LONGEST = 400  # characters of a number; enough for any decimal that has a meaning here
+_MOST_NUMBER_CHARACTERS = 400  # characters of a number; enough for any decimal that has a meaning here
 
 
 def exact(value: Number, name: str) -> Expr:
@@ -76,7 +76,7 @@ _ROTATION = (
 def _read_fraction(text: str, name: str) -> Fraction:
     text = si_number(text, name)
     parts = text.strip().split("/")
-    if len(text) <= _LONGEST and len(parts) <= 2 and all(map(_DECIMAL.fullmatch, parts)):
+    if len(text) <= _MOST_NUMBER_CHARACTERS and len(parts) <= 2 and all(map(_DECIMAL.fullmatch, parts)):
         with suppress(ZeroDivisionError):
             return reduce(truediv, map(Fraction, parts))
     _refuse_error(text, name)

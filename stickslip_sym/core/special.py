@@ -16,9 +16,9 @@ from sympy.printing.printer import Printer
 from stickslip_sym.core.aliases import Expr, FloatArray, Mpf
 from stickslip_sym.core.precision import ball_of_mpmath, middle_in_mpmath, mp, refined, working_precision
 
-_MOST = 20_000  # bits of working precision for a value in mpmath
+_MOST_MPMATH_BITS = 20_000  # bits of working precision for a value in mpmath
 _EIN_TERMS = 21  # of a series at arguments up to 1, the next term of which is below the rounding of a double
-_NEAR = 1.5  # largest argument of the power series of a removable singularity
+_SERIES_RADIUS = 1.5  # largest argument of the power series of a removable singularity
 _CIRCLE, _BOUND = 3, 8  # a radius up to which a removable function is analytic, and a bound on its size there
 _DOUBLE = np.finfo(np.float64).nmant + 1  # bits of a double
 
@@ -32,7 +32,7 @@ class Special(sp.Function):  # type: ignore[misc]  # SymPy is untyped
     def mpf(cls, context: Any, *arguments: Mpf) -> Mpf:
         """Return the value in the working precision of a context of mpmath."""
         balls = [ball_of_mpmath(argument) for argument in arguments]
-        value = middle_in_mpmath(refined(lambda: cls.ball(*balls).real, context.prec, _MOST))
+        value = middle_in_mpmath(refined(lambda: cls.ball(*balls).real, context.prec, _MOST_MPMATH_BITS))
         return +context.make_mpf(value._mpf_)
 
     def _eval_evalf(self, prec: int) -> Expr:
@@ -232,7 +232,7 @@ class Removable(Special):
     def ball(cls, z: acb, order: acb) -> acb:
         """Return a ball around the value, also on balls around 0."""
         n, size = round(float(order.real)), arb(z.abs_upper())
-        if not size <= _NEAR:
+        if not size <= _SERIES_RADIUS:
             return acb(cls._by_terms(z, n, lambda name: getattr(z, name)()))
         series, left_out = cls._near(n, ctx.prec)
         rest = (left_out * size ** (ctx.prec + 2 * n + 8)).abs_upper()
@@ -257,7 +257,7 @@ class Removable(Special):
             parts = cls._by_terms(x, n, lambda f: 1 / inverse[f](x) if f in inverse else getattr(np, f)(x))
             coefficients = [int(c.p) / int(c.q) for c in cls._taylor(n, _DOUBLE + 2 * n + 8)]
             series = np.polynomial.polynomial.polyval(x, coefficients)
-            return np.asarray(np.where(np.abs(x) < _NEAR, series, parts))
+            return np.asarray(np.where(np.abs(x) < _SERIES_RADIUS, series, parts))
 
 
 class Langevin(Removable):

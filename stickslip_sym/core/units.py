@@ -48,7 +48,7 @@ _NUMBER = re.compile(
     rf"\(?(?:(?P<value>[-+]?{_SIZE})(?:\s*(?:\+/-|±)\s*(?P<error>{_SIZE}))?"
     rf"|(?P<digits>[-+]?{_DECIMAL})\s*\((?P<last>\d+)\))\)?"
 )
-_DIGITS = 40  # of a number that no decimal is
+_DIGITS_OF_QUOTIENT = 40  # of a number that no decimal is
 
 
 def dimensions(text: str) -> tuple[Fraction, tuple[int, ...]] | None:
@@ -182,5 +182,5 @@ def share_unit(last: str, first: str) -> str:
 
 def _number_text(number: Fraction, *, decimal: bool = False) -> str:
     """Return a number as the decimal that it is, or a quotient, or else a decimal of many digits."""
-    quotient = Context(prec=_DIGITS).divide(Decimal(number.numerator), Decimal(number.denominator))
+    quotient = Context(prec=_DIGITS_OF_QUOTIENT).divide(Decimal(number.numerator), Decimal(number.denominator))
     return str(quotient) if decimal or Fraction(quotient) == number else f"{number.numerator}/{number.denominator}"

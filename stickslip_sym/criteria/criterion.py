@@ -142,8 +142,11 @@ class Criterion:
         return sp.diff(self.weight, symbols.s)
 
 
-_LARGEST_DENOMINATOR, _ROUNDED = 10**6, Fraction(1, 10**15)  # of a float that rounds a ratio, and by how much
-_HIGHEST = 40  # degree of a weight; double precision holds no polynomial in s of a much higher one
+_LARGEST_DENOMINATOR, _ROUNDING_OF_RATIO = (
+    10**6,
+    Fraction(1, 10**15),
+)  # of a float that rounds a ratio, and by how much
+_MOST_WEIGHT_DEGREE = 40  # degree of a weight; double precision holds no polynomial in s of a much higher one
 _HARMONIC_WEIGHT = 2 / sp.pi * sp.sqrt(1 - symbols.s**2)
 
 
@@ -151,7 +154,7 @@ def _simple_ratio(number: Expr) -> Rational:
     """Return a SymPy Float as the ratio of small integers that it rounds, such as 1/3; if it is none, exactly."""
     exactly = fraction(number, "a number of the weight")
     simple = exactly.limit_denominator(_LARGEST_DENOMINATOR)
-    ratio = simple if abs(simple - exactly) <= _ROUNDED * max(Fraction(1), abs(exactly)) else exactly
+    ratio = simple if abs(simple - exactly) <= _ROUNDING_OF_RATIO * max(Fraction(1), abs(exactly)) else exactly
     return sp.Rational(ratio.numerator, ratio.denominator)
 
 
@@ -170,8 +173,8 @@ def _checked_weight(name: str, weight: Expr) -> Expr:
         return weight
     weight = weight.xreplace({number: _simple_ratio(number) for number in weight.atoms(sp.Float)})
     polynomial = weight.is_polynomial(symbols.s)
-    if polynomial and (degree := sp.degree(weight, symbols.s)) > _HIGHEST:
-        raise InputError(f"{what} is of degree {degree}; take one of degree {_HIGHEST} at most")
+    if polynomial and (degree := sp.degree(weight, symbols.s)) > _MOST_WEIGHT_DEGREE:
+        raise InputError(f"{what} is of degree {degree}; take one of degree {_MOST_WEIGHT_DEGREE} at most")
     if not polynomial or not all(c.is_Rational for c in sp.Poly(weight, symbols.s).all_coeffs()):
         raise InputError(f"{what} is {weight}; it must be a polynomial in s with rational coefficients")
     primitive = sp.Poly(weight, symbols.s).integrate()

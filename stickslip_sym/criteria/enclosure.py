@@ -32,14 +32,14 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.taylor_model import balls_from_rest
 from stickslip_sym.output.data import DataResult
 
-_BITS = math.log2(10)  # per digit
-_MORE = 64  # bits with which an end is written, beyond those of the middle
+_BITS_PER_DIGIT = math.log2(10)  # per digit
+_BITS_OF_ENDS = 64  # bits with which an end is written, beyond those of the middle
 _MOST_LOST = 1400  # bits of cancellation that are followed, some 400 digits
 _EXTREME = 100_000  # bits, beyond which an end is rounded outwards instead of written in full
 _MOST_SHOWN = 4000  # where two enclosures are distinguished
-_COARSE = 3  # digits of an end of an enclosure without a certain digit
-_FINER = 4  # bits, by which ends of an enclosure are finer than its radius
-_SHOWN = 50  # digits of an end, at most
+_DIGITS_WITHOUT_CERTAINTY = 3  # digits of an end of an enclosure without a certain digit
+_BITS_FINER_THAN_RADIUS = 4  # bits, by which ends of an enclosure are finer than its radius
+_MOST_END_DIGITS = 50  # digits of an end, at most
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,9 @@ class Enclosure(DataResult):
             return MOST_DIGITS
         ratio = abs(self.mid) / self.radius
         bits = ratio.numerator.bit_length() - ratio.denominator.bit_length()
-        certain = max(0, int((bits - 1) / _BITS))  # as text, an integer of thousands of digits costs too much
+        certain = max(
+            0, int((bits - 1) / _BITS_PER_DIGIT)
+        )  # as text, an integer of thousands of digits costs too much
         return certain + (ratio >= Fraction(10) ** (certain + 1))
 
     def overlaps(self, other: "Enclosure") -> bool:
@@ -103,8 +105,9 @@ class Enclosure(DataResult):
         if self.low == self.high and self.low.denominator == 1:
             return str(self.low)
         if self.digits < 1:
-            return f"[{_truncated(self.low, _COARSE)}, {_truncated(self.high, _COARSE)}]"
-        for digits in range(min(self.digits + 1, _SHOWN), 0, -1):
+            low, high = (_truncated(end, _DIGITS_WITHOUT_CERTAINTY) for end in (self.low, self.high))
+            return f"[{low}, {high}]"
+        for digits in range(min(self.digits + 1, _MOST_END_DIGITS), 0, -1):
             low, high = (_truncated(end, digits) for end in (self.low, self.high))
             if low == high:
                 return f"{low}[...]"
@@ -160,7 +163,7 @@ def enclosure_of(value: arb) -> Enclosure:
     NotConverged
         For an end beyond 2^100000.
     """
-    with working_precision(int(value.mid().man_exp()[0]).bit_length() + _MORE):
+    with working_precision(int(value.mid().man_exp()[0]).bit_length() + _BITS_OF_ENDS):
         return Enclosure(_exact_end(value.lower(), -1), _exact_end(value.upper(), 1))
 
 
@@ -173,7 +176,7 @@ def rounded_outward(ends: Enclosure) -> Enclosure:
     if ends.radius == 0:
         return ends
     bits = ends.radius.numerator.bit_length() - ends.radius.denominator.bit_length()  # or one more than log2
-    grid = Fraction(2) ** (bits - (ends.radius < Fraction(2) ** bits) - _FINER)
+    grid = Fraction(2) ** (bits - (ends.radius < Fraction(2) ** bits) - _BITS_FINER_THAN_RADIUS)
     return Enclosure(math.floor(ends.low / grid) * grid, math.ceil(ends.high / grid) * grid)
 
 
@@ -249,7 +252,7 @@ def enclose(
             )
         return value
 
-    goal = int(digits * _BITS) + 2
+    goal = int(digits * _BITS_PER_DIGIT) + 2
     ends = rounded_outward(enclosure_of(refined(enclosed, goal, goal + _MOST_LOST)))
     return EnclosedCriterion(ends.low, ends.high, law, criterion, speed, force)
 

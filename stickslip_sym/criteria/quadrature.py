@@ -41,16 +41,18 @@ __all__ = ["MOST_DIGITS", "average", "damping", "read_operating_point"]
 Function = Callable[[Mpf], Mpf]
 
 MOST_DIGITS = 10_000  # of a result
-_GUARD = 10  # digits beyond those asked for, against rounding in the sum
+_GUARD_DIGITS = 10  # digits beyond those asked for, against rounding in the sum
 _MOST_LOST = 400  # digits of cancellation in an integral that are followed before it counts as zero
 _MOST_LOST_IN_SLOPE = 5 * _MOST_LOST  # of a slope, which costs a few values of mu only
 _MOST_PANELS = 240  # that are looked at
-_WIDER = 4  # times, each panel beside a narrow one
-_BESIDE = 4  # times the digits asked for: decimal orders below the belt speed, as near as rest itself
+_PANEL_RATIO = 4  # times, each panel beside a narrow one
+_ORDERS_PER_DIGIT_AT_REST = 4
+"""Times the digits asked for: decimal orders below the belt speed, as near as rest itself."""
 _STRETCHING = 8  # the least power of the variable where mu is infinite at v = 0
 _MOST_STRETCHING = 1000
-_NEAR = 50  # and twice that: decimal orders below V at which a coefficient is seen to be integrable
-_LOOKS = ((1 + grid(5).nodes) / 2).tolist()  # of the way through a panel, where its size is looked at
+_ORDERS_BELOW_BELT_SPEED = 50
+"""And twice that: decimal orders below V at which a coefficient is seen to be integrable."""
+_NODES_OF_LOOKS = ((1 + grid(5).nodes) / 2).tolist()  # of the way through a panel, where its size is looked at
 
 
 def damping(
@@ -96,7 +98,7 @@ def damping(
     if force == 0 or not law.expr.has(symbols.v):
         law.require_values()
         return mpmath.mpf(0)  # every kernel averages a slope: it integrates to zero
-    with mp.workdps(digits + _GUARD):
+    with mp.workdps(digits + _GUARD_DIGITS):
         rule = "tanh-sinh" if law.curve is None else "gauss-legendre"  # of polynomials between kinks
         bound = law.kinetic
         mu, quick = bound.function(mp.context), _quick(bound)
@@ -119,7 +121,7 @@ def _recover_lost_digits(mu: Function, order: int, speed: Mpf) -> Function:
     """
 
     def refined(v: Mpf) -> Mpf:
-        beside = v or speed * mp.mpf(10) ** (-_BESIDE * mp.dps)
+        beside = v or speed * mp.mpf(10) ** (-_ORDERS_PER_DIGIT_AT_REST * mp.dps)
         lost = order * max(0, int(mp.log(speed / beside, 10)) + 1)
         with mp.workdps(mp.dps + lost):
             value = mu(beside)
@@ -134,9 +136,9 @@ def _quick(law: BoundLaw) -> list[Expr]:
         return []
     segments = {formula for _, formula in law.segments}
     return [
-        binary_fraction(speed + side * width * _WIDER**k)
+        binary_fraction(speed + side * width * _PANEL_RATIO**k)
         for speed, width in chain(*(transitions(segment, law.point) for segment in segments))
-        for k in range(int(math.log(speed / (2 * width), _WIDER)) if 0 < width < speed / 8 else 0)
+        for k in range(int(math.log(speed / (2 * width), _PANEL_RATIO)) if 0 < width < speed / 8 else 0)
         for side in (-1, 1)
     ]
 
@@ -198,10 +200,12 @@ def _require_real(mu: Function) -> Function:
 def _require_integrable(mu: Function, criterion: Criterion, speed: Expr) -> None:
     """Refuse a coefficient that is infinite at v = 0 faster than the weight vanishes there."""
     order = criterion.order_at_rest
-    with mp.workdps(_GUARD + 15):
+    with mp.workdps(_GUARD_DIGITS + 15):
         near, nearer = (
             abs(mu(v)) * v ** own_mpf(order)
-            for v in (own_mpf(speed) * mp.mpf(10) ** -k for k in (_NEAR, 2 * _NEAR))
+            for v in (
+                own_mpf(speed) * mp.mpf(10) ** -k for k in (_ORDERS_BELOW_BELT_SPEED, 2 * _ORDERS_BELOW_BELT_SPEED)
+            )
         )
         grows = nearer > near * (mp.mpf("1.01") if order == 0 else mp.mpf("0.5"))
     if grows and nearer > 0:
@@ -219,8 +223,8 @@ def _following_cancellation(compute: Callable[[Mpf], tuple[Mpf, Mpf]], digits: i
     """
     lost = 0
     while True:
-        with mp.workdps(digits + _GUARD + lost):
-            total, size = compute(mp.mpf(10) ** -(digits + lost + _GUARD // 2))
+        with mp.workdps(digits + _GUARD_DIGITS + lost):
+            total, size = compute(mp.mpf(10) ** -(digits + lost + _GUARD_DIGITS // 2))
             bits = mp.mag(size) - mp.mag(total) if total else mp.inf
             needed = max(0, bits * math.log10(2) + 1)
         if needed <= lost + 1:
@@ -265,7 +269,9 @@ def _integral_by_parts(
     power = _STRETCHING
     if singular:
         # In y, x = y^power, what is infinite at x = 0 but integrable vanishes at y = 0, or almost.
-        near, nearer = (ends[-1] * mp.mpf(10) ** -k for k in (_NEAR, 2 * _NEAR))
+        near, nearer = (
+            ends[-1] * mp.mpf(10) ** -k for k in (_ORDERS_BELOW_BELT_SPEED, 2 * _ORDERS_BELOW_BELT_SPEED)
+        )
         values = [abs(integrand(x)) for x in (near, nearer)]
         steepness = mp.log(values[1] / values[0]) / mp.log(near / nearer) if all(values) else 0
         power = max(power, min(int(1 / (1 - steepness)), _MOST_STRETCHING)) if 0 < steepness < 1 else power
@@ -286,7 +292,7 @@ def _confirmed_slope(mu: Function, speed: Expr, digits: int, sides: Sequence[int
 
     def slope(tolerance: Mpf) -> tuple[Mpf, Mpf]:
         V = own_mpf(speed)
-        step = mp.ldexp(V, -mp.prec - _GUARD)  # mpmath's own relative one is 1/V of what it should be
+        step = mp.ldexp(V, -mp.prec - _GUARD_DIGITS)  # mpmath's own relative one is 1/V of what it should be
         # The differences stay on their side: their steps are smaller than the tolerance.
         slopes = [mp.diff(mu, V * (1 + side * tolerance), h=step) for side in sides]
         return -mp.fsum(slopes) / len(slopes), abs(mu(V) / V)
@@ -294,11 +300,11 @@ def _confirmed_slope(mu: Function, speed: Expr, digits: int, sides: Sequence[int
     wanted = digits
     while wanted < _MOST_LOST_IN_SLOPE:
         result = _following_cancellation(slope, wanted, _MOST_LOST_IN_SLOPE)
-        again = _following_cancellation(slope, wanted + digits + _GUARD, _MOST_LOST_IN_SLOPE)
-        with mp.workdps(digits + _GUARD):
+        again = _following_cancellation(slope, wanted + digits + _GUARD_DIGITS, _MOST_LOST_IN_SLOPE)
+        with mp.workdps(digits + _GUARD_DIGITS):
             if abs(again - result) <= abs(again) * mp.mpf(10) ** -digits:
                 return again
-        wanted = 2 * (wanted + digits + _GUARD)
+        wanted = 2 * (wanted + digits + _GUARD_DIGITS)
     raise NotConverged(f"the slope of mu at V = {float(speed):g} does not settle to {digits} digits")
 
 
@@ -335,7 +341,7 @@ def _adaptive(f: Function, a: Mpf, b: Mpf, tolerance: Mpf, rule: str) -> Mpf:
 
 def _estimate(f: Function, left: Mpf, right: Mpf, rule: str) -> _Estimate:
     # mpmath's error estimate is absolute, so the integrand is brought to the order of 1 first.
-    looks = [abs(f(left + (right - left) * fraction)) for fraction in _LOOKS]
+    looks = [abs(f(left + (right - left) * fraction)) for fraction in _NODES_OF_LOOKS]
     scale = max(looks) * (right - left) or mp.mpf(1)
     value, error = mp.quad(lambda u: f(u) / scale, [left, right], error=True, method=rule)
     # Its degrees agree where all of them step over a narrow peak; the halves have other nodes.

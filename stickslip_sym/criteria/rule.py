@@ -23,19 +23,21 @@ from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.table import FrictionTable
 
 _OCTAVES = 40  # of the phase, to which panels shrink towards rest
-_NODES = 16
+_PANEL_NODES = 16
 _MOST_PARTS = 64  # of a panel: falls within a thousandth of their own speed are resolved
-_GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(_NODES)
-_DEGREES = np.arange(_NODES - 2, _NODES)
-_HIGHEST = (_DEGREES[:, None] + 0.5) * np.polynomial.legendre.legvander(_GAUSS, _NODES - 1).T[_DEGREES]
+_GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(_PANEL_NODES)
+_DEGREES = np.arange(_PANEL_NODES - 2, _PANEL_NODES)
+_HIGHEST_COEFFICIENTS = (_DEGREES[:, None] + 0.5) * np.polynomial.legendre.legvander(_GAUSS, _PANEL_NODES - 1).T[
+    _DEGREES
+]
 """From what the nodes of a panel add to an integral to the highest coefficients of Legendre's polynomials."""
 Slope: TypeAlias = Callable[[FloatArray], FloatArray]
 _Others: TypeAlias = tuple[Criterion, FrictionTable, bool, tuple[float, ...]]
 _Three: TypeAlias = tuple[FloatArray, FloatArray, FloatArray]
 _Four: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
-_ROUNDING = 1e-14  # of the average of abs(mu')
+_ROUNDING_OF_AVERAGE = 1e-14  # of the average of abs(mu')
 _TABULATED = 1e-13  # of a rise: the error of a table
-_ROUNDED = 8 * np.finfo(np.float64).eps  # of mu: what rises are not known to
+_ROUNDING_OF_MU = 8 * np.finfo(np.float64).eps  # of mu: what rises are not known to
 
 
 def gauss_average(
@@ -91,7 +93,7 @@ def _slope_at_belt_speed(slope: Slope, kinks: Iterable[float], V: FloatArray) ->
     for kink in kinks:
         at = kink == V
         value[at] = (slope(np.nextafter(V[at], 0.0)) + slope(np.nextafter(V[at], np.inf))) / 2
-    return -value, _ROUNDING * np.abs(value), np.abs(value)
+    return -value, _ROUNDING_OF_AVERAGE * np.abs(value), np.abs(value)
 
 
 def _settled_average(slope: Slope, V: FloatArray, A: FloatArray, *others: *_Others) -> _Three:
@@ -107,7 +109,7 @@ def _settled_average(slope: Slope, V: FloatArray, A: FloatArray, *others: *_Othe
         error[again] = np.abs(finer - average[again])
         average[again] = finer
         again = again[~(error[again] <= SAME * np.abs(finer))]
-    return average, error + off + _ROUNDING * size, size
+    return average, error + off + _ROUNDING_OF_AVERAGE * size, size
 
 
 def _sum_over_panels(
@@ -127,7 +129,9 @@ def _sum_over_panels(
     # No product of matrices: threads would wait for each other longer than they work.
     fall = slopes * panels.weighted
     average, size = -fall.sum(axis=1), np.abs(fall).sum(axis=1)
-    tails = np.abs(np.einsum("...j,kj->...k", fall.reshape(len(V), -1, _NODES), _HIGHEST)).sum(axis=(1, 2))
+    tails = np.abs(np.einsum("...j,kj->...k", fall.reshape(len(V), -1, _PANEL_NODES), _HIGHEST_COEFFICIENTS)).sum(
+        axis=(1, 2)
+    )
     if not own:
         return average, size, 0.0 * average, tails
     speeds = V * ((1 - A) + 2 * A * panels.ends)
@@ -141,10 +145,10 @@ def _sum_over_panels(
             average, size = average - height, size + np.abs(height)
             rises[:, at - (speeds[0, at] >= kink)] -= jump  # of the panel on whose side rounding put the end
     # Slopes at rounded speeds do not add up to the rise where mu is steep; the rise is what counts there.
-    lack = rises / (V * A) - (slopes * panels.share).reshape(len(V), -1, _NODES).sum(axis=2)
+    lack = rises / (V * A) - (slopes * panels.share).reshape(len(V), -1, _PANEL_NODES).sum(axis=2)
     # Far out it is a difference of numbers that are nearly the same, and the slopes are what is known.
     larger, amount = np.maximum(sizes[:, 1:], sizes[:, :-1]), np.abs(lack) * (V * A)
-    lack[amount <= _ROUNDED * larger] = 0.0
+    lack[amount <= _ROUNDING_OF_MU * larger] = 0.0
     middle, highest = (heights[1:] + heights[:-1]) / 2, np.maximum(heights[1:], heights[:-1])
     average -= (lack * middle).sum(axis=1)
     # Where in a panel it lacks is not known, nor whether it does where a table may be off by as much.

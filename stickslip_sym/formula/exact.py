@@ -22,10 +22,11 @@ from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.precision import ball_of_mpmath, middle_in_mpmath, mp, refined, rounded
 from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
 
-_MOST_BITS = 33_000  # of working precision, some 10 000 digits, before a value counts as out of reach
-_PATIENCE = 4  # times the bits asked for, before a formula is taken apart by exact arithmetic, which takes long
+_MOST_EXACT_BITS = 33_000  # of working precision, some 10 000 digits, before a value counts as out of reach
+_BITS_RATIO_TO_PARTS = 4
+"""Times the bits asked for, before a formula is taken apart by exact arithmetic, which takes long."""
 _LONGEST_SERIES = 1e4  # an argument from where as many terms cancel, for which mpmath has no asymptotic series
-_MORE = 64  # bits by which the second look of mpmath is more precise
+_BITS_OF_SECOND_LOOK = 64  # bits by which the second look of mpmath is more precise
 
 
 def to_digits(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> Mpf:
@@ -51,7 +52,7 @@ def to_ball(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> tuple[arb, b
             raise _no_value(point)
         return value.real
 
-    for most in (min(_PATIENCE * goal, _MOST_BITS), _MOST_BITS):
+    for most in (min(_BITS_RATIO_TO_PARTS * goal, _MOST_EXACT_BITS), _MOST_EXACT_BITS):
         value = refined(computed, goal, most)
         if value.is_finite() and value.rel_accuracy_bits() >= goal:
             return value, alone
@@ -61,7 +62,7 @@ def to_ball(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> tuple[arb, b
             if expr.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
                 raise _no_value(point)
     if value.is_finite():
-        raise NotConverged(f"{digits} digits are out of reach of {_MOST_BITS} bits of working precision")
+        raise NotConverged(f"{digits} digits are out of reach of {_MOST_EXACT_BITS} bits of working precision")
     raise _no_value(point)
 
 
@@ -100,7 +101,7 @@ def _evaluate_by_mpmath(node: Expr, arguments: list[acb]) -> acb:
                     step = mp.mpc(radius, radius) if argument.imag != 0 else radius
                     moved = [value([*places[:i], places[i] + way * step, *places[i + 1 :]]) for way in (1, -1)]
                     error += 2 * sum(abs(value - rough) for value in moved)
-        with mp.workprec(ctx.prec + _MORE):
+        with mp.workprec(ctx.prec + _BITS_OF_SECOND_LOOK):
             fine = value(places)
             error += 2 * abs(fine - rough)
     except mp.NoConvergence as failure:

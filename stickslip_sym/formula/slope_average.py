@@ -35,9 +35,10 @@ from stickslip_sym.output.data import DataResult
 
 OnInvalid = Literal["raise", "nan"]
 
-_BLOCK = 16000  # elements: the arrays of a block stay in the cache, below 128 kB, from where each is a system call
-_DIGITS = 17  # of a value by balls
-_LARGEST = float(np.finfo(np.float64).max)
+_ELEMENTS_IN_CACHE = 16000
+"""Elements: the arrays of a block stay in the cache, below 128 kB, from where each is a system call."""
+_BALL_DIGITS = 17  # of a value by balls
+_LARGEST_DOUBLE = float(np.finfo(np.float64).max)
 _ZERO = Fraction(1, 2**60)  # of the mean size of the slope: an enclosure around 0 that is narrower is that of 0
 _ALLOWED = 8.0  # the same over the mean size of the slope, the unit of errors, from where balls are asked
 
@@ -158,7 +159,7 @@ class SlopeAverage(TermSum, DataResult, by_identity=True):
             raise InputError(f'on_invalid = {on_invalid!r} must be "raise" or "nan"')
         ordered: list[Any] = [given[name] for name in self.arguments]
         numbers = {float, int}.issuperset(map(type, ordered))
-        if numbers and all(map(le, self._lowest, ordered)) and max(ordered) <= _LARGEST:
+        if numbers and all(map(le, self._lowest, ordered)) and max(ordered) <= _LARGEST_DOUBLE:
             return self._of_floats(list(map(float, ordered)))
         return self._over_arrays(ordered, on_invalid)
 
@@ -169,7 +170,7 @@ class SlopeAverage(TermSum, DataResult, by_identity=True):
     @cached_property
     def _lowest(self) -> list[float]:
         """The lowest value that each argument may have."""
-        return [0.0 if symbol.is_nonnegative else -_LARGEST for symbol in self.arguments.values()]
+        return [0.0 if symbol.is_nonnegative else -_LARGEST_DOUBLE for symbol in self.arguments.values()]
 
     def _over_arrays(self, values: list[ArrayLike], on_invalid: OnInvalid) -> Any:
         arrays = [_array(name, value) for name, value in zip(self.arguments, values, strict=True)]
@@ -183,8 +184,8 @@ class SlopeAverage(TermSum, DataResult, by_identity=True):
         ]
         good = self._valid(arrays, shape, on_invalid)
         flat_result = np.full(math.prod(shape), np.nan)
-        for start in range(0, flat_result.size, _BLOCK):
-            block: Any = slice(start, start + _BLOCK)
+        for start in range(0, flat_result.size, _ELEMENTS_IN_CACHE):
+            block: Any = slice(start, start + _ELEMENTS_IN_CACHE)
             if good is not None:
                 block = start + np.flatnonzero(good[block])
                 if not block.size:
@@ -275,7 +276,7 @@ class SlopeAverage(TermSum, DataResult, by_identity=True):
         for term in self.functions:
             term.require_reach(values)
         try:
-            value = float(self._exactly(point, _DIGITS)) + 0.0
+            value = float(self._exactly(point, _BALL_DIGITS)) + 0.0
         except NotConverged:  # as where mu is infinite at v = 0; branches know its power there
             for term in self.functions:
                 term.ask_for_branches(values)

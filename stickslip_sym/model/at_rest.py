@@ -27,9 +27,9 @@ from stickslip_sym.model.taylor_model import coefficient_near_rest
 Rising = Callable[[FloatArray], FloatArray]
 """mu(v) - mu(0+) of an array of slip speeds in m/s, NaN where mu has no value."""
 
-_LARGE = 0.02  # a difference of coefficients that has lost few digits
+_ACCURATE_DIFFERENCE = 0.02  # a difference of coefficients that has lost few digits
 _SPEEDS = 2.0 ** np.arange(-80, 81)  # m/s, between which one as large is looked for
-_LONGEST = 16  # terms of a^n - b^n as a sum; for larger n it is the exponential of a logarithm
+_MOST_DIFFERENCE_TERMS = 16  # terms of a^n - b^n as a sum; for larger n it is the exponential of a logarithm
 _START = sp.Dummy("start", positive=True)
 """The slip speed where a piece begins."""
 
@@ -100,7 +100,7 @@ def _rise_of_piece(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start
         return lambda v: np.where(v <= reach, polynomial.rise(v), _plain_difference(plain, onset, v))
     risen = None if gained is None else function_at(gained, {**values, _START: start}, "numpy")
     with np.errstate(all="ignore"):
-        large = (np.abs(reals(plain(_SPEEDS)) - onset) > _LARGE) & (float(start) <= _SPEEDS)
+        large = (np.abs(reals(plain(_SPEEDS)) - onset) > _ACCURATE_DIFFERENCE) & (float(start) <= _SPEEDS)
     terms = cache(lambda: _term_by_term(piece, start, values))
     farthest = np.append(_SPEEDS, np.inf)[np.argmax(np.append(large, True))]  # beyond it products may cancel
 
@@ -113,7 +113,9 @@ def _rise_of_piece(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start
             if (lost := ~np.isfinite(value)).any() and piece.is_Add:
                 value = np.array(value)
                 value[lost] = before + sum(of(v[lost]) for of in terms())
-        return np.where(np.isfinite(value) & (v < farthest) & ~(np.abs(difference) > _LARGE), value, difference)
+        return np.where(
+            np.isfinite(value) & (v < farthest) & ~(np.abs(difference) > _ACCURATE_DIFFERENCE), value, difference
+        )
 
     return rising
 
@@ -192,7 +194,7 @@ def _difference_of_power(node: Expr, low: Expr, base: tuple[Expr, Expr], exponen
         return low * expm1(node.exp * log1p(base_rise / base_low) + power_rise * sp.log(base_low))
     if base_low == 0:
         return base_rise**power - low
-    if power.is_Integer and abs(power) <= _LONGEST:
+    if power.is_Integer and abs(power) <= _MOST_DIFFERENCE_TERMS:
         count = abs(int(power))
         terms = sp.Add(*(node.base**i * base_low ** (count - 1 - i) for i in range(count)))
         return base_rise * terms if power > 0 else -base_rise * terms / (node.base**count * base_low**count)

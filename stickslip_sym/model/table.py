@@ -62,11 +62,12 @@ FARTHEST = 1e20
 _DEGREE = 14  # 15 nodes resolve about an octave of an analytic law to rounding
 _LOWEST = 1 / FARTHEST**2  # m/s; a law that is singular at rest, as sqrt(v), is a straight line below
 _TAIL = 1e-15  # of the last two Chebyshev coefficients, relative to the largest value: what they leave out is less
-_NOISE = 4 * _TAIL  # relative error of the first polynomial, and of mu where a rise is a difference
+_RISE_NOISE = 4 * _TAIL  # relative error of the first polynomial, and of mu where a rise is a difference
 _VANISHES = 4e-16  # of the largest coefficient at rest: where mu has no slope at 0, rounding is none either
-_MOST = 512  # intervals within an octave: a table ends where there would be more; as many are looked at at a time
-_RESOLVED = 4  # halvings, after which what is left may be noise of a rise computed as a difference
-_NARROWEST = 1e-13  # relative width of an interval that is not halved again
+_INTERVALS_AN_OCTAVE = 512
+"""Intervals within an octave: a table ends where there would be more; as many are looked at at a time."""
+_HALVINGS_TO_NOISE = 4  # halvings, after which what is left may be noise of a rise computed as a difference
+_LEAST_RELATIVE_WIDTH = 1e-13  # relative width of an interval that is not halved again
 _POLE = 1e6  # a coefficient on the narrowest interval as high as that is a pole's
 _PARTED = 2.0  # widths of a transition, and distances from it, an interval is wide at most
 _NARROW = 0.125  # times its own speed: an octave halved that often may hide from a grid of phases
@@ -76,9 +77,9 @@ _AT_ONCE = 1e-24  # times V: slip comes to that speed within 1e-12/omega, in whi
 _CUTS = 3  # halvings of the ball over an interval, to bring it closer to what it holds
 _UNSEEN = 100.0  # times the level of the last coefficients: a rise of no account, however steep
 _TINY = 1e-290  # a rise where floats underflow
-_BITS = 200  # working precision of balls: 1 - exp(-v) has digits down to `_LOWEST`
+_BALL_BITS = 200  # working precision of balls: 1 - exp(-v) has digits down to `_LOWEST`
 
-_GRID = grid(_DEGREE + 1)
+_CHEBYSHEV_GRID = grid(_DEGREE + 1)
 _AT_REST = np.array(
     [
         np.pad(Polynomial(np.trim_zeros(row, "b"))(Polynomial([-1.0, 2.0])).coef, (0, _DEGREE - 1 - k))
@@ -182,7 +183,7 @@ class FrictionTable:
         segments = [segment for segment in segments if segment.start < farthest]
         ends = [*(segment.start for segment in segments[1:]), min(reach, farthest)]
         parts, kinks, firsts, end = list[FloatArray](), list[float](), [0], 0.0
-        with np.errstate(all="ignore"), working_precision(_BITS):
+        with np.errstate(all="ignore"), working_precision(_BALL_BITS):
             for (start, rising, formula), high in zip(segments, ends, strict=True):
                 segment = _Segment(rising, onset, start, high, upto is not None)
                 if formula is not None:
@@ -331,20 +332,22 @@ class _Segment:
 
         def look(intervals: Sequence[Interval[float, None]]) -> Iterator[Decision[FloatArray, None]]:
             low, upper = ends(intervals)
-            values = self.rising(_GRID.between(low, upper))
+            values = self.rising(_CHEBYSHEV_GRID.between(low, upper))
             scale = np.abs(values).max(axis=1)
             octaves = np.array([one.first for one in intervals])
             np.maximum.at(reached, octaves, np.where(np.isfinite(scale), scale, 0.0))
             np.maximum.accumulate(reached, out=reached)
             halvings = np.array([one.halvings for one in intervals])
-            level = self.noise(values, low, upper, halvings) + (_NOISE * reached[-1] if self.derivative else 0.0)
-            coefficients = values @ _GRID.coefficients
+            level = self.noise(values, low, upper, halvings) + (
+                _RISE_NOISE * reached[-1] if self.derivative else 0.0
+            )
+            coefficients = values @ _CHEBYSHEV_GRID.coefficients
             fits = (tail(coefficients, 2) <= level) & ~self.hides(low, upper)
-            steepest = _STEEPER * 2 * np.abs(values @ _GRID.slopes).max(axis=1)
+            steepest = _STEEPER * 2 * np.abs(values @ _CHEBYSHEV_GRID.slopes).max(axis=1)
             steepest += _UNSEEN * (level + _TAIL * reached[octaves]) + _TINY
-            powers = coefficients @ _GRID.powers
+            powers = coefficients @ _CHEBYSHEV_GRID.powers
             for i, one in enumerate(intervals):
-                if one.high - one.low <= _NARROWEST * one.high:
+                if one.high - one.low <= _LEAST_RELATIVE_WIDTH * one.high:
                     is_known = fits[i] or scale[i] < _POLE * (1 + abs(self.onset))
                 elif fits[i] and self.is_sure(one.low, one.high, steepest[i] / (one.high - one.low)):
                     is_known = True
@@ -358,8 +361,8 @@ class _Segment:
         found = subdivide(
             list(pairwise(edges.tolist())),
             look,
-            limits=DivisionLimits(parts=_MOST),
-            at_once=_MOST,
+            limits=DivisionLimits(parts=_INTERVALS_AN_OCTAVE),
+            at_once=_INTERVALS_AN_OCTAVE,
             to_first_open=True,
         )
         pieces = np.array([*rest, *found.payloads])
@@ -374,7 +377,9 @@ class _Segment:
         scale = np.abs(values).max(axis=1)
         # A speed is rounded, which shows where mu is steep.
         level = _TAIL * (scale + np.ptp(values, axis=1) * high / (high - low))
-        return np.asarray(level + np.where(halvings >= _RESOLVED, _NOISE * (scale + abs(self.onset)), 0.0))
+        return np.asarray(
+            level + np.where(halvings >= _HALVINGS_TO_NOISE, _RISE_NOISE * (scale + abs(self.onset)), 0.0)
+        )
 
     def hides(self, low: FloatArray, high: FloatArray) -> BoolArray:
         """Whether a transition within ranges, or beside them, is narrow beside them."""
@@ -433,14 +438,14 @@ def _slopes(expr: Expr) -> list[Expr]:
     terms = sp.Add.make_args(slope)
     algebraic = [term for term in terms if _is_algebraic(term)]
     others = slope - sp.Add(*algebraic)
-    forms = [slope, others + _joined(sp.Add(*algebraic))]
-    if any(_is_root(node) for node in sp.preorder_traversal(others)):
+    forms = [slope, others + _write_one_denominator(sp.Add(*algebraic))]
+    if any(_is_root_of_speed(node) for node in sp.preorder_traversal(others)):
         inner = {node: sp.Dummy() for node in sp.preorder_traversal(slope) if _is_transcendental(node)}
-        forms.append(_joined(slope.xreplace(inner)).xreplace({name: node for node, name in inner.items()}))
+        forms.append(_write_one_denominator(slope.xreplace(inner)).xreplace({name: node for node, name in inner.items()}))
     return list(dict.fromkeys(forms))
 
 
-def _joined(terms: Expr) -> Expr:
+def _write_one_denominator(terms: Expr) -> Expr:
     """Return a sum over one denominator."""
     numerator, denominator = sp.fraction(sp.together(terms))
     return terms if denominator == 1 else sp.expand(numerator) / denominator
@@ -457,7 +462,7 @@ def _is_transcendental(node: Expr) -> bool:
     return not (node.is_Add or node.is_Mul or (node.is_Pow and not node.exp.has(symbols.v)))
 
 
-def _is_root(node: Expr) -> bool:
+def _is_root_of_speed(node: Expr) -> bool:
     return bool(node.is_Pow and node.base.has(symbols.v) and node.exp.is_Rational and not node.exp.is_Integer)
 
 
@@ -465,23 +470,26 @@ def _first(segment: _Segment) -> tuple[FloatArray, float]:
     """Return the piece at rest, where the rise is v g(v), as wide as it fits, and where it ends."""
     rising, onset, high = segment.rising, segment.onset, segment.high
     widths = high * 2.0 ** -np.arange(max(1.0, math.floor(math.log2(high / _LOWEST))))[::-1]
-    nodes = _GRID.between(np.zeros_like(widths), widths)
+    nodes = _CHEBYSHEV_GRID.between(np.zeros_like(widths), widths)
     values = rising(nodes)
     if not np.isfinite(values[0]).any():
         raise InputError(
             f"mu is not a finite real number at v = {nodes[0, 0]:.1e} m/s: no slip begins there; check the law's "
             "formula and the values of its parameters"
         )
-    coefficients = (values / nodes) @ _GRID.coefficients
+    coefficients = (values / nodes) @ _CHEBYSHEV_GRID.coefficients
     largest = np.abs(values / nodes).max(axis=1)
     fits = (tail(coefficients, 2) <= _TAIL * largest) & ~segment.hides(0 * widths, widths)
-    steepest = _STEEPER * np.abs(values @ _GRID.slopes).max(axis=1) * 2 / widths
-    for noise in (0.0, _NOISE * abs(onset)):  # a rise that had to be computed as a difference has it
-        own = np.abs(nodes * (coefficients @ _GRID.polynomials) - values) <= _NOISE * np.abs(values) + noise
+    steepest = _STEEPER * np.abs(values @ _CHEBYSHEV_GRID.slopes).max(axis=1) * 2 / widths
+    for noise in (0.0, _RISE_NOISE * abs(onset)):  # a rise that had to be computed as a difference has it
+        own = (
+            np.abs(nodes * (coefficients @ _CHEBYSHEV_GRID.polynomials) - values)
+            <= _RISE_NOISE * np.abs(values) + noise
+        )
         for i in np.flatnonzero(fits & own.all(axis=1))[::-1]:
             below, there = nodes[: i + 1], values[: i + 1]
             fitted = below * polynomial_values(coefficients[i], 2 * below / widths[i] - 1)
-            if (np.abs(fitted - there) <= _NOISE * np.abs(there) + noise).all() and (
+            if (np.abs(fitted - there) <= _RISE_NOISE * np.abs(there) + noise).all() and (
                 segment.is_sure(0.0, widths[i], steepest[i], 0)
                 or _is_sure_towards_rest(segment, float(widths[0]), float(widths[i]), steepest[i])
             ):

@@ -31,7 +31,7 @@ from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
 _MOST_TERMS = 160  # of a polynomial: more precision than they give is asked for in thousands of digits only
 _FINEST_UNIT = 24  # of v: one power of v takes so many terms, and a finer unit leaves too few powers
 _MOST_MULTIPLIED = 16  # of a whole power that is multiplied out
-_WIDER = 2  # times the size of an argument: the circle on which a function is bounded
+_CIRCLE_RATIO = 2  # times the size of an argument: the circle on which a function is bounded
 _RADII = 12  # halvings of the radius that are tried
 _INSIDE = 0.25  # of the radius: within it the remainder is below 2^(-3 terms)
 _INSIDE_IN_FLOATS = _INSIDE**2  # within which floats need few terms
@@ -152,7 +152,7 @@ class TaylorModel:
         By Cauchy's estimate coefficient k of a function that is below `most` on |w| = r is below most/r^k. What
         the product of polynomials has beyond the last power is bounded by that of the sizes of their coefficients.
         """
-        most = bound((_WIDER * self.size).abs_upper())
+        most = bound((_CIRCLE_RATIO * self.size).abs_upper())
         if self.low < 1 or not most.is_finite():
             raise NotAnalytic("a function is not bounded")
         if self.size == 0:
@@ -164,7 +164,7 @@ class TaylorModel:
             )
         largest = arb_poly([abs(c) for c in coefficients])(self.size)
         cut_off = largest - arb_poly([sizes[k] for k in range(count)])(self.radius)
-        left_out = most * arb(_WIDER) ** (1 - len(coefficients)) / (_WIDER - 1)
+        left_out = most * arb(_CIRCLE_RATIO) ** (1 - len(coefficients)) / (_CIRCLE_RATIO - 1)
         rest = (abs(cut_off) + left_out) / self.radius**count
         return replace(self, low=0)._cut(0, arb_poly([whole[k] for k in range(count)]), count, rest)
 

@@ -86,7 +86,7 @@ def terms_of(mu: Expr) -> tuple[Term, ...]:
     return (*_polynomial_terms(polynomial, v), *terms)
 
 
-_FAR = sp.Integer(10) ** 9
+_SPEED_FAR_OUT = sp.Integer(10) ** 9
 """A slip speed in m/s, far out."""
 _GROWN = 1000  # the size of a function that grows like a power, there
 
@@ -120,7 +120,7 @@ def _is_infinite(function: Expr, point: Mapping[Expr, Expr], *, far: bool) -> bo
     if not far:
         return bool(function.subs(symbols.v, 0).has(sp.nan, sp.zoo, sp.oo, -sp.oo))
     try:
-        value = ball_value(function, {**point, symbols.v: _FAR})
+        value = ball_value(function, {**point, symbols.v: _SPEED_FAR_OUT})
     except (InputError, ValueError, ZeroDivisionError):
         return False
     return bool(value.is_finite() and abs(value.real) > _GROWN)

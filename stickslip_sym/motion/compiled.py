@@ -22,7 +22,7 @@ from stickslip_sym.core.deadline import exempt_from_time_limit, is_late
 from stickslip_sym.core.interrupts import held_back
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-_PATIENCE = 1.0  # seconds, after which a compilation is announced
+_SECONDS_TO_ANNOUNCE = 1.0  # seconds, after which a compilation is announced
 _OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": False}
 """Machine code carries out each operation as Python does, in the same order: results are the same to the bit.
 
@@ -97,7 +97,7 @@ def compiled(function: _Function) -> _Function:
 @contextmanager
 def _announced(line: str) -> Iterator[None]:
     """Say a line once a block takes more than a second."""
-    notice = threading.Timer(_PATIENCE, _say_once, [line])
+    notice = threading.Timer(_SECONDS_TO_ANNOUNCE, _say_once, [line])
     notice.daemon = True
     notice.start()
     try:

@@ -117,7 +117,10 @@ def _states(rise: Rise, columns: Any, field: Field, rtol: float, rows: Any) -> N
 
 
 _FAR_OUT = 1e12  # slip speed over the belt's, beyond every feature of a law: it stands for all that are higher
-_FEW, _FEW_STATES = 8, 1000  # slips, and states, up to which plain Python is as fast as loading compiled code
+_FEW_SLIPS, _FEW_STATES = (
+    8,
+    1000,
+)  # slips, and states, up to which plain Python is as fast as loading compiled code
 _BATCH = 4000  # slips that a thread takes at once, mostly some hundredths of a second compiled
 _FIRST, _BETWEEN_LOOKS = 1, 0.05  # slips before the first look at a time limit, and seconds between two looks
 
@@ -256,7 +259,7 @@ class NondimensionalOscillator:
         self, q: FloatArray, w: FloatArray, side: ArrayLike = 1.0, *,
         ratios: tuple[ArrayLike, ArrayLike] | None = None, passes: ArrayLike = 0, until: SlipEnd = SlipEnd.RETURN,
         level: float = math.inf, horizon: float = math.inf, rtol: float = TIGHT, most: int = MOST_STEPS,
-        few: int = _FEW, workers: int = 1,
+        few: int = _FEW_SLIPS, workers: int = 1,
     ) -> Slip[FloatArray]:  # fmt: skip
         """Follow many slips, compiled where numba is there; arguments as for `slip`, nothing is refused.
 
@@ -316,7 +319,7 @@ class NondimensionalOscillator:
 
     def spread(
         self, loop: Callable[..., None], columns: Sequence[FloatArray], settings: tuple[Any, ...],
-        rows: FloatArray, *, few: int = _FEW, batch: int = _BATCH, workers: int = 1,
+        rows: FloatArray, *, few: int = _FEW_SLIPS, batch: int = _BATCH, workers: int = 1,
     ) -> None:  # fmt: skip
         """Carry out a loop over many motions, compiled where numba is there and they are more than a few.
 

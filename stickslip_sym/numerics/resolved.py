@@ -38,13 +38,14 @@ from stickslip_sym.numerics.subdivide import (
 NODES = 17
 """Samples of an interval."""
 _TAIL = 3  # last coefficients, that must vanish
-_NOISE = 4.0  # errors of its values, by which a coefficient may be off
-_NARROWEST = 1e-11  # width of an interval over the range: it holds a jump, or the end of a stretch without value
-_COARSE = 1e3  # times what was asked for, above which an error may hide roots,
+_ERRORS_OF_COEFFICIENT = 4.0  # errors of its values, by which a coefficient may be off
+_LEAST_WIDTH = 1e-11  # width of an interval over the range: it holds a jump, or the end of a stretch without value
+_ERROR_THAT_HIDES_ROOTS = 1e3  # times what was asked for, above which an error may hide roots,
 _HIDES = 1e-2  # if it is larger than this part of what the values on a piece range over
-_PLAIN = 1e-3  # of its largest value, that a polynomial with a root may leave out where only roots are sought
-_CLEAR = 10.0  # times what it leaves out, that its extrema and ends are then
-_FARTHEST = 1e300  # from a value, that a bisection is to see
+_LEFT_OUT_BESIDE_ROOTS = 1e-3
+"""Of its largest value, that a polynomial with a root may leave out where only roots are sought."""
+_ERRORS_OF_TURNS = 10.0  # times what it leaves out, that its extrema and ends are then
+_LARGEST_DISTANCE = 1e300  # from a value, that a bisection is to see
 _STRIDES = 2.0  # of the largest steps between samples of an interval, by which it may go beyond them
 
 Sampled: TypeAlias = Callable[[FloatArray], Column]
@@ -192,7 +193,7 @@ class Resolved:
                 sides = {low.x: low.value, high.x: high.value}  # one each, where the function jumps there
 
                 def off(x: float, sides: dict[float, float] = sides) -> float:
-                    return min(max(sides.get(x, self(x)) - level, -_FARTHEST), _FARTHEST)
+                    return min(max(sides.get(x, self(x)) - level, -_LARGEST_DISTANCE), _LARGEST_DISTANCE)
 
                 x = brentq(off, low.x, high.x) if low.x < high.x else low.x
                 roots.append(Root(x, low.x, high.x))
@@ -204,7 +205,7 @@ class Resolved:
         largest = max((abs(turn.value) for turns in self._turns for turn in turns), default=0.0)
         rows = list[tuple[Piece, list[Turn], Range]]()
         for piece, turns in zip(self.pieces, self._turns, strict=True):
-            if piece.error > _COARSE * self.rtol * largest:
+            if piece.error > _ERROR_THAT_HIDES_ROOTS * self.rtol * largest:
                 values = [turn.value for turn in turns]
                 rows.append((piece, turns, Range(min(values), max(values))))
         return rows
@@ -267,7 +268,7 @@ def resolve(
             return decision
         return fit_polynomial(one.low, one.high, row, rtol)
 
-    limits = DivisionLimits(budget, cost=NODES, narrowest=_NARROWEST * (edges[-1] - edges[0]))
+    limits = DivisionLimits(budget, cost=NODES, narrowest=_LEAST_WIDTH * (edges[-1] - edges[0]))
     found = subdivide(list(pairwise(edges)), look, limits=limits, at_once=most)
     anything = Range(-math.inf, math.inf)
     stretches = [
@@ -286,7 +287,7 @@ def fit_polynomial(low: float, high: float, row: Column, rtol: float) -> Decisio
     if not np.isfinite(values).all():
         return _estimated(row)
     coefficients = values @ grid(NODES).coefficients
-    error = float(_NOISE * row.errors.max() + rtol * np.abs(values).max())
+    error = float(_ERRORS_OF_COEFFICIENT * row.errors.max() + rtol * np.abs(values).max())
     if tail(coefficients, _TAIL) > error:
         return _estimated(row)
     return Accept(Piece(low, high, coefficients, error))
@@ -312,12 +313,12 @@ def _sketched(low: float, high: float, row: Column, rtol: float) -> tuple[Decisi
         return fit_polynomial(low, high, row, rtol), math.inf
     coefficients = values @ grid(NODES).coefficients
     last = float(tail(coefficients, _TAIL))
-    piece = Piece(low, high, coefficients, float(_NOISE * row.errors.max() + last))
+    piece = Piece(low, high, coefficients, float(_ERRORS_OF_COEFFICIENT * row.errors.max() + last))
     sides = [turn.value for turn in piece.turns]
-    largest, limit = max(map(abs, sides)), min(map(abs, sides)) / _CLEAR
+    largest, limit = max(map(abs, sides)), min(map(abs, sides)) / _ERRORS_OF_TURNS
     if min(sides) < 0.0 < max(sides):
-        limit = min(limit, _PLAIN * largest)
+        limit = min(limit, _LEFT_OUT_BESIDE_ROOTS * largest)
     if piece.error <= limit:
         return Accept(piece), math.inf
     hidden_by_tail = last > max(limit / 2, rtol * largest)
-    return _estimated(row), math.inf if hidden_by_tail else limit / 2 / _NOISE
+    return _estimated(row), math.inf if hidden_by_tail else limit / 2 / _ERRORS_OF_COEFFICIENT

@@ -16,10 +16,10 @@ from stickslip_sym.output.tables import WIDTH
 from stickslip_sym.output.text_printer import text
 
 _LETTERS = "qphrwgz"
-_BLOCK = 40  # characters that a letter for what stands repeatedly must save; roots always have one
+_CHARACTERS_TO_SAVE = 40  # characters that a letter for what stands repeatedly must save; roots always have one
 _LEAST_BLOCK = {False: 40, True: 10}  # characters of what gets a letter, in a formula and in one of many lines
 _MANY_LINES = 4.0  # from which on short blocks, and the terms of the sum, get letters too
-_LONG = 400  # characters of a formula as text from which on it is broken
+_CHARACTERS_OF_LINE = 400  # characters of a formula as text from which on it is broken
 _INDENT = "  "
 Definitions = list[tuple[Expr, Expr]]
 
@@ -73,9 +73,11 @@ def _summed(expr: Expr, names: Mapping[str, str]) -> tuple[Expr, Definitions]:
 
 def indented_equation(left: str, expr: Expr) -> str:
     """Return an equation as indented text: ``left = expr``, in a long one letters for what stands repeatedly."""
-    if len(text(expr)) <= _LONG:
+    if len(text(expr)) <= _CHARACTERS_OF_LINE:
         return f"{_INDENT}{left} = {text(expr)}"
-    expr, definitions = _assign_letters(*_repeated(expr, is_long=len(text(expr)) > _MANY_LINES * _LONG), {})
+    expr, definitions = _assign_letters(
+        *_repeated(expr, is_long=len(text(expr)) > _MANY_LINES * _CHARACTERS_OF_LINE), {}
+    )
     where = [f"{_INDENT}where"] if definitions else []
     return "\n".join(
         [_wrapped(left, expr), *where, *(_wrapped(letter.name, value) for letter, value in definitions)]
@@ -109,7 +111,7 @@ def _repeated(expr: Expr, *, is_long: bool) -> tuple[Expr, Definitions]:
         sized = [
             (len(written(node)), written(node), node)
             for node, count in Counter(nodes).items()
-            if (count - 1) * len(written(node)) >= _BLOCK
+            if (count - 1) * len(written(node)) >= _CHARACTERS_TO_SAVE
             and len(written(node)) >= _LEAST_BLOCK[is_long]
             and node.has(sp.Add, sp.Function)  # a^4 is read as it stands
         ]

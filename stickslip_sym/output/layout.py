@@ -16,7 +16,7 @@ LINE = 341.0  # points in 120 mm
 _NUMBER = 32.0  # of them for the number of the equation
 _INDENT = 20.0
 _HANGING = 0.25  # of a line; behind a longer left side nothing is aligned
-_LEAST = 0.3  # of a line, before which a break at outer brackets is not worth an empty half
+_LEAST_PART_OF_LINE = 0.3  # of a line, before which a break at outer brackets is not worth an empty half
 
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[A-Za-z]|\d|\s+|.", re.S)
 _LETTERS = (
@@ -119,7 +119,7 @@ def _broken(latex: str, first: float, later: float) -> list[str]:
         fitting = [place for place in left if place[2] - done <= line] or left[:1]
         if not fitting:
             break
-        good = [place for place in fitting if place[2] - done >= _LEAST * line] or fitting
+        good = [place for place in fitting if place[2] - done >= _LEAST_PART_OF_LINE * line] or fitting
         depth = min(place[1] for place in good)
         position, _, before = max(place for place in good if place[1] == depth)
         rows.append(latex[begin:position].rstrip())

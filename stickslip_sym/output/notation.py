@@ -29,7 +29,7 @@ _ONE = re.compile(
 """A letter, or a command with its argument, its scripts, and the change of it; @ is what stands in braces."""
 _OTHERWISE = re.compile(r"\^[{\s]*[+-]?\s*[0-9]|(?<![_^])(?<!\\text)\{(?:\s*[0-9]|[^{}]*[*+-])")
 """A power, a number or a sum that would be taken for one."""
-_LONGEST = 60
+_MOST_NOTATION_CHARACTERS = 60
 
 
 def latex_name(name: str) -> str:
@@ -96,11 +96,11 @@ def _check(name: str, latex: str) -> None:
     while (outline := _outline(inner)).strip() == "@":
         inner = inner.strip()[1:-1]
     reads_otherwise = _OTHERWISE.search(inner) or _FOREIGN.search(inner)
-    if len(inner) > _LONGEST or reads_otherwise or not _ONE.fullmatch(outline):
+    if len(inner) > _MOST_NOTATION_CHARACTERS or reads_otherwise or not _ONE.fullmatch(outline):
         raise InputError(
-            f"the LaTeX of {name}, {latex!r}, is not one symbol in at most {_LONGEST} characters, but a product, "
-            "a sum, a number, or something else; put several letters into \\mathit{...}; write a symbol such as "
-            r"v_b, \beta or v_{\mathrm{belt}}"
+            f"the LaTeX of {name}, {latex!r}, is not one symbol in at most {_MOST_NOTATION_CHARACTERS} "
+            "characters, but a product, a sum, a number, or something else; put several letters into "
+            r"\mathit{...}; write a symbol such as v_b, \beta or v_{\mathrm{belt}}"
         )
 
 

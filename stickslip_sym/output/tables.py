@@ -10,7 +10,7 @@ from textwrap import wrap
 WIDTH = 80  # characters of a line, where there is no terminal that is wider
 
 
-_APART = 2  # blanks between columns
+_BLANKS_BETWEEN_COLUMNS = 2  # blanks between columns
 _LONG_NUMBER = re.compile(r"-?\d+\.\d{30,}(?:e[-+]?\d+)?")
 """What is not broken, as it is copied as a whole."""
 _BESIDE_NUMBERS = 38  # characters for all other columns
@@ -27,7 +27,7 @@ def aligned_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     from rich.console import Console
     from rich.table import Table
 
-    shown = Table(box=None, pad_edge=False, padding=(0, _APART, 0, 0), header_style="")
+    shown = Table(box=None, pad_edge=False, padding=(0, _BLANKS_BETWEEN_COLUMNS, 0, 0), header_style="")
     columns = [[name, *(row[place] for row in rows)] for place, name in enumerate(header)]
     numbers = [
         max((len(cell) for cell in column if _LONG_NUMBER.fullmatch(cell)), default=0) for column in columns

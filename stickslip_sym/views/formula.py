@@ -7,7 +7,7 @@ from stickslip_sym.formula.derivation import Derivation, Step
 from stickslip_sym.output import printing
 from stickslip_sym.views import dispatch, markup
 
-_LONGEST = 200  # characters of a result in a line of text
+_MOST_TEXT_CHARACTERS = 200  # characters of a result in a line of text
 
 
 @dispatch.notebook_html.register(ClosedForm)
@@ -27,7 +27,7 @@ def form_as_latex(form: ClosedForm) -> str:
 def step_in_a_line(step: Step) -> str:
     """Return what was done, the result and the verdict."""
     label = f" {step.label}" if step.label else ""
-    result = shorten(printing.text(step.statement), _LONGEST, placeholder=" ...")
+    result = shorten(printing.text(step.statement), _MOST_TEXT_CHARACTERS, placeholder=" ...")
     return f"Step{label}: {step.operation}: {result}, {step.verdict.status.value}"
 
 

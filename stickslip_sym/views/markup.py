@@ -11,7 +11,7 @@ from typing import TypeVar
 from stickslip_sym.core.foreign import printable
 
 _PLAIN = 'class="mathjax_ignore tex2jax_ignore"'  # a dollar sign in a name starts no formula
-_LONGEST = 4000  # characters of a formula
+_MOST_LATEX_CHARACTERS = 4000  # characters of a formula
 _ENDS = 5  # items that are shown at either end of a long list
 _SUBSCRIPT = re.compile(r"\b(mu|[a-zA-Z])_([a-zA-Z]|max|min|\d+)\b")
 _POWER = re.compile(r"(?:\*\*|\^)(-?[\d.]*\d)")
@@ -60,7 +60,7 @@ def marked_prose(text: str) -> Markup:
 
 def inline_formula(latex: str) -> Markup:
     """Return LaTeX as a formula in a line of text; of one that fills a page, its length."""
-    if len(latex) > _LONGEST:
+    if len(latex) > _MOST_LATEX_CHARACTERS:
         return Markup(f"<i>a formula of {len(latex)} characters of LaTeX</i>")
     return Markup(f"<span>${escape(latex)}$</span>")
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
-_SHOWN = 5  # rows of a preview
+_ROWS_SHOWN = 5  # rows of a preview
 _MOST_MARKS = 5000  # in a picture, beyond which they are drawn as an image and not each by itself
 
 
@@ -32,8 +32,8 @@ def _lines(measured: Measurements) -> list[str]:
 def _first_rows(measured: Measurements) -> HeadedRows:
     columns = measured.columns
     rows = [[f"{value:.6g}" for value in row] for row in zip(*columns.values(), strict=True)]
-    left = [["...", *[""] * (len(columns) - 1)]] if len(rows) > _SHOWN else []
-    return ["v in m/s", "mu", "sigma"][: len(columns)], rows[:_SHOWN] + left
+    left = [["...", *[""] * (len(columns) - 1)]] if len(rows) > _ROWS_SHOWN else []
+    return ["v in m/s", "mu", "sigma"][: len(columns)], rows[:_ROWS_SHOWN] + left
 
 
 @dispatch.notebook_html.register(Measurements)

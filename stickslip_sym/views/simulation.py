@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_SHOWN = 3000  # steps in the picture of a notebook, some hundred rounds; more take seconds to draw
+_STEPS_SHOWN = 3000  # steps in the picture of a notebook, some hundred rounds; more take seconds to draw
 _SIZE = 8.4, 4.2  # inches
 _LABELS = {"t": "time $t$ (s)", "x": "displacement $x$ (m)", "v": "velocity $\\dot x$ (m/s)"}
 _STYLES: dict[Phase, dict[str, Any]] = {
@@ -43,7 +43,7 @@ def trajectory_in_a_line(motion: Trajectory) -> str:
 @dispatch.notebook_html.register(Trajectory)
 def trajectory_as_html(motion: Trajectory) -> str:
     """Return the line, the picture of the last rounds, and the changes of phase."""
-    since = float(motion.t[max(motion.t.size - _SHOWN, 0)])
+    since = float(motion.t[max(motion.t.size - _STEPS_SHOWN, 0)])
     drawn = picture(lambda: motion.plot(since=since), motion.summary)
     is_cut = bool(drawn) and since != motion.t[0]
     cut = [f"The picture begins at t = {since:.6g} s."] if is_cut else []

@@ -69,18 +69,18 @@ _EPSILON = float(np.finfo(np.float64).eps)
 _NEGLIGIBLE = 2.0**-57  # of a value: what a polynomial may leave out
 _CONDITION = {-1: 1.5, 1: 4.0}
 """Of a series at rest, and far out: the sum of its terms' sizes over the size of the sum, before balls decide."""
-_UNITS = 2.75  # of eps <|g'|>, by which a formula may differ from balls
+_ALLOWED_UNITS = 2.75  # of eps <|g'|>, by which a formula may differ from balls
 _WRITTEN = 16  # of the same, by which what is written as code may differ from the definition
 
-_FARTHEST = 40  # octaves beyond all scales of a profile up to which a closed form is compared
+_OCTAVES_BEYOND_SCALES = 40  # octaves beyond all scales of a profile up to which a closed form is compared
 _WAVING = (5, 3)  # the same of a profile that waves for ever, whose table ends there
 _STEPS = 12  # octaves from a scale, or from a corner, within which a series begins to hold
-_LARGEST = 2.0**960  # of a coefficient: its products with its power of r stay within range
-_MOST_BITS = 5 * BITS  # for an enclosure of the definition: mu cancels by 2 bits an octave at rest
+_LARGEST_COEFFICIENT = 2.0**960  # of a coefficient: its products with its power of r stay within range
+_MOST_DEFINITION_BITS = 5 * BITS  # for an enclosure of the definition: mu cancels by 2 bits an octave at rest
 _OCTAVES = (0.0, *(0.4 * 1.6**k for k in range(9)))
 """From the end of a series, at which it is compared with balls: the farther, the fewer terms are left."""
 
-_NODES = 19  # of a panel
+_BRANCH_NODES = 19  # of a panel
 _SMOOTH = 0.5 * _EPSILON  # of <|g'|>: the last coefficients of a panel
 _BETWEEN = (-0.9999, 0.61803)
 """From a panel's middle, over half its width: where it is compared with balls. Its very end may be a kink."""
@@ -114,7 +114,9 @@ def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Ma
     local, kinks = criterion.weight is None, kinks_at(profile, shapes)
 
     def by_definition(r: arb, kink: Expr | None = None) -> arb:
-        return refined(lambda: average_enclosure(profile, shapes, criterion, r, kink), BITS // 2, _MOST_BITS)
+        return refined(
+            lambda: average_enclosure(profile, shapes, criterion, r, kink), BITS // 2, _MOST_DEFINITION_BITS
+        )
 
     for r in _looked_at(branches):
         with np.errstate(all="ignore"):
@@ -225,15 +227,17 @@ class _Builder:
         nothing = Sum(0.0, 1.0, ((None, (math.nan,)),))
         last, direct = (self.values.end / 2, nothing) if reach < math.inf else self._far_out(), None
         if reach == math.inf:
-            direct = self._direct(last[0] if last else self.highest * 2.0**_FARTHEST)
+            direct = self._direct(last[0] if last else self.highest * 2.0**_OCTAVES_BEYOND_SCALES)
         if last is None and direct is None:
-            farthest = next((k for k in (_FARTHEST, *_WAVING) if self._is_tabulated(self.highest * 2.0**k)), None)
+            farthest = next(
+                (k for k in (_OCTAVES_BEYOND_SCALES, *_WAVING) if self._is_tabulated(self.highest * 2.0**k)), None
+            )
             if farthest is None:
                 return Unknown(f"{self.profile} varies too often for a table, and has no series far out")
             last = self.highest * 2.0**farthest, nothing
         outer = [pair for pair in (direct, last) if pair is not None]
         stop = outer[0][0]
-        opened, branch = self._near_rest(stop) or (self.lowest * 2.0**-_FARTHEST, nothing)
+        opened, branch = self._near_rest(stop) or (self.lowest * 2.0**-_OCTAVES_BEYOND_SCALES, nothing)
         pairs: list[tuple[float, Branch]] = [(0.0, branch)]
         if opened < stop:
             table = self._table(opened, stop)
@@ -358,7 +362,7 @@ class _Builder:
         """Return at how many of some r, from the first on, a branch agrees with balls."""
         with np.errstate(all="ignore"):
             values = np.asarray(value_of(branch, r))
-        allowed = _UNITS * _EPSILON * np.fmax(self.values.mean_slope(r), np.abs(values)) + SMALLEST
+        allowed = _ALLOWED_UNITS * _EPSILON * np.fmax(self.values.mean_slope(r), np.abs(values)) + SMALLEST
         for i, (x, value, most) in enumerate(zip(r, values, allowed, strict=True)):
             if not abs(float(self.values(arb(float(x))) - arb(float(value)))) <= most:
                 return i
@@ -405,7 +409,7 @@ class _Builder:
     def _panel(self, left: float, right: float, origin: float | None) -> Decision[list[float], None]:
         """Accept the polynomial through values between two r if it is smooth, and holds between them."""
         low, high = (left, right) if origin is None else (np.sqrt(left - origin), np.sqrt(right - origin))
-        centre, half, grid = (low + high) / 2, (high - low) / 2, ball_grid(_NODES)
+        centre, half, grid = (low + high) / 2, (high - low) / 2, ball_grid(_BRANCH_NODES)
 
         def value_at(t: arb) -> arb:
             x = arb(centre) + t * arb(half)
@@ -426,9 +430,9 @@ class _Builder:
             return HALVE
         powers = grid.powers(coefficients)
         for t in _BETWEEN:
-            if not abs(float(powers(arb(t)) - value_at(arb(t)))) <= _UNITS * _EPSILON * size:
+            if not abs(float(powers(arb(t)) - value_at(arb(t)))) <= _ALLOWED_UNITS * _EPSILON * size:
                 return HALVE
-        row = [float(powers[k]) for k in range(_NODES)]
+        row = [float(powers[k]) for k in range(_BRANCH_NODES)]
         return Accept([left, math.nan if origin is None else origin, centre, 1 / half, *row])
 
 
@@ -471,7 +475,11 @@ def _terms_that_count(series: GeneralisedSeries, x: arb, unit: int, condition: f
         if rest > least:
             break
         kept.pop(key, None)
-    return kept if all(1 / _LARGEST < abs(float(c)) < _LARGEST for c in kept.values()) else None
+    return (
+        kept
+        if all(1 / _LARGEST_COEFFICIENT < abs(float(c)) < _LARGEST_COEFFICIENT for c in kept.values())
+        else None
+    )
 
 
 def _powers_of_series(terms: Powers, unit: int, side: int, function: Expr | None) -> Sum:

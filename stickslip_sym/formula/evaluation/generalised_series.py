@@ -25,8 +25,12 @@ from stickslip_sym.model.taylor_model import Bound, ExpansionAlgebra, NotAnalyti
 
 _TERMS = 30
 """Terms of a series: (1/4)^30 < 2^-57, so that it holds up to a quarter of its radius of convergence."""
-_STEP = 2.0**-60  # to both sides of an exponent, between which a mean has its finite part or its derivative
-_BITS = round(-4 * math.log2(_STEP))  # of working precision, for exponents of two that differ by that
+_EXPONENT_STEP = (
+    2.0**-60
+)  # to both sides of an exponent, between which a mean has its finite part or its derivative
+_WORKING_BITS = round(
+    -4 * math.log2(_EXPONENT_STEP)
+)  # of working precision, for exponents of two that differ by that
 
 _LIMITS: dict[type[Expr], tuple[int | None, int | None]] = {
     sp.exp: (0, None), sp.tanh: (-1, 1), sp.coth: (-1, 1), sp.sech: (0, 0), sp.csch: (0, 0), sp.erf: (-1, 1),
@@ -115,13 +119,13 @@ class GeneralisedSeries:
         return total
 
 
-_BEYOND = GeneralisedSeries({}, -math.inf)
+_SUPERPOLYNOMIAL = GeneralisedSeries({}, -math.inf)
 """What grows faster than any power."""
 
 
 def _expand_superpolynomial(node: Expr, parts: list[GeneralisedSeries]) -> GeneralisedSeries:
     """Return a node of what grows faster than any power: that too, or what vanishes faster than any."""
-    others = [part for part in parts if part is not _BEYOND]
+    others = [part for part in parts if part is not _SUPERPOLYNOMIAL]
     if node.is_Pow and node.exp.is_negative:
         return GeneralisedSeries({})
     if len(others) < len(parts) - 1 or not (node.is_Add or node.is_Mul or (node.is_Pow and node.exp.is_positive)):
@@ -129,7 +133,7 @@ def _expand_superpolynomial(node: Expr, parts: list[GeneralisedSeries]) -> Gener
     if node.is_Mul:
         for part in others:
             _ = part.leading  # a factor that may be 0 is refused
-    return _BEYOND
+    return _SUPERPOLYNOMIAL
 
 
 class _GeneralExpansion(ExpansionAlgebra[GeneralisedSeries]):
@@ -140,7 +144,7 @@ class _GeneralExpansion(ExpansionAlgebra[GeneralisedSeries]):
         self.unit, self.far = unit, far
 
     def __call__(self, node: Expr, parts: list[GeneralisedSeries]) -> GeneralisedSeries:
-        if any(part is _BEYOND for part in parts):
+        if any(part is _SUPERPOLYNOMIAL for part in parts):
             return _expand_superpolynomial(node, parts)
         return super().__call__(node, parts)
 
@@ -175,7 +179,7 @@ class _GeneralExpansion(ExpansionAlgebra[GeneralisedSeries]):
         if kind is Erfcx and positive:
             return self.power(inner, sp.S.NegativeOne).inserted_in(_erfcx_coefficients(_TERMS))
         if kind is sp.exp and positive:
-            return _BEYOND
+            return _SUPERPOLYNOMIAL
         limit = _LIMITS.get(kind, (None, None))[positive]
         if limit is None:
             raise NotAnalytic(f"{known.name} has no limit")
@@ -197,7 +201,7 @@ def expanded(slope: Expr, point: Mapping[Expr, Expr], unit: int, *, far: bool) -
         series = fold(write_erfcx(elementary(slope)), _GeneralExpansion(point, unit, far))
     except (InputError, ValueError, ZeroDivisionError, OverflowError) as failure:
         raise NotAnalytic(str(failure)) from None
-    if series is _BEYOND:
+    if series is _SUPERPOLYNOMIAL:
         raise NotAnalytic("it grows faster than any power")
     return series
 
@@ -212,7 +216,7 @@ def common_denominator(slope: Expr, point: Mapping[Expr, Expr], criterion: Crite
 @lru_cache(maxsize=16)
 def _mean_power(criterion: Criterion) -> Callable[[arb], arb]:
     exponent = sp.Dummy()
-    with working_precision(_BITS):
+    with working_precision(_WORKING_BITS):
         function = ball_function(criterion.mean_power(exponent), exponent, {})
     return lambda e: function(acb(e), False).real
 
@@ -221,11 +225,11 @@ def _means(criterion: Criterion, exponent: arb) -> tuple[arb, arb]:
     """Return the finite part of <p^e>, p = 1 + s, and of <p^e log(p)>."""
     if criterion.weight is None:
         return arb(1), arb(0)
-    with working_precision(_BITS):
+    with working_precision(_WORKING_BITS):
         mean = _mean_power(criterion)
-        low, high, lower, higher = (mean(exponent + k * _STEP) for k in (-1, 1, -2, 2))
+        low, high, lower, higher = (mean(exponent + k * _EXPONENT_STEP) for k in (-1, 1, -2, 2))
         # Of A/e + B + C e, e being the distance from the exponent, B and C.
-        return ((low + high) / 2).mid(), ((2 * (higher - lower) - (high - low)) / (6 * _STEP)).mid()
+        return ((low + high) / 2).mid(), ((2 * (higher - lower) - (high - low)) / (6 * _EXPONENT_STEP)).mid()
 
 
 def average_near_rest(series: GeneralisedSeries, criterion: Criterion, unit: int) -> GeneralisedSeries:

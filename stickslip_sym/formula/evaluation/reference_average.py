@@ -52,21 +52,24 @@ SMALLEST = 2.0**-1000
 """What is less counts as 0: floats end there."""
 
 _PLACES = tuple(0.3 * 2.7**k for k in range(5))  # r at which a closed form is checked, over 1 or the largest one
-_SAME = 2.0**-40  # by which it agrees
+_AGREEMENT = 2.0**-40  # by which it agrees
 
-_NODES = 32  # in a piece
-_RESOLVED = 2.0**-66  # of the slope in a piece: its last two coefficients
-_INTEGRATED = math.sqrt(_RESOLVED)  # in the innermost panel, where the rule alone counts: it has twice the order
-_NEGLIGIBLE = _RESOLVED / 64  # of the moment of |g'|, or of the largest coefficient: what is left out
-_ENOUGH = 4 - math.log2(_RESOLVED)  # bits of relative accuracy that a value of the closed form needs
-_NOISE = 8  # times the radius of a ball around the slope: where the slope cancels no piece is resolved better
+_PIECE_NODES = 32  # in a piece
+_PIECE_RTOL = 2.0**-66  # of the slope in a piece: its last two coefficients
+_INTEGRATED = math.sqrt(_PIECE_RTOL)  # in the innermost panel, where the rule alone counts: it has twice the order
+_NEGLIGIBLE = _PIECE_RTOL / 64  # of the moment of |g'|, or of the largest coefficient: what is left out
+_BITS_OF_CLOSED_FORM = 4 - math.log2(
+    _PIECE_RTOL
+)  # bits of relative accuracy that a value of the closed form needs
+_NOISE_RADII = 8
+"""Times the radius of a ball around the slope: where the slope cancels no piece is resolved better."""
 _MOST_PIECES = 80  # in an octave: a value takes all of them, and a table takes thousands of values
 _MOST_WORK = 20_000  # pieces that all values may take, for each kink: some seconds; balls give single values then
 _OVERSHOOT = 4  # times the largest slope at the nodes of a piece, which no slope between them may exceed
 _QUARTERS = 5  # halvings of a piece for balls that bound its slope
 _ORDER = 8  # of a power series that bounds it, where terms cancel
 _EXPANSION = 80  # terms of a weight that is no polynomial, which is expanded up to r
-_CLOSE = 5  # octaves from r to the innermost panel, at least
+_OCTAVES_TO_INNERMOST = 5  # octaves from r to the innermost panel, at least
 _DEEPEST = -40  # octaves below that of the lowest kink, or below 1, where the innermost panel is looked for
 _LARGEST_ORDER = 16
 _DEEP = BITS - _DEEPEST * _LARGEST_ORDER  # bits of working precision there, for differences between such powers
@@ -128,10 +131,10 @@ class ReferenceAverage:
         self._pieces: dict[int, list[_Piece]] = {}
         self._resolved_pieces: dict[tuple[float, float], list[_Piece] | Unknown] = {}
         self._work = 0  # pieces that all values so far took
-        self._close = max(_CLOSE, self._order)
+        self._close = max(_OCTAVES_TO_INNERMOST, self._order)
         lowest = math.frexp(scales_of(profile, point)[0])[1]
         highest = min([lowest - self._close, *(math.frexp(float(kink))[1] - 1 for kink in self.kinks)])
-        tried = range(highest, highest + _DEEPEST, -_CLOSE)
+        tried = range(highest, highest + _DEEPEST, -_OCTAVES_TO_INNERMOST)
         self._first = next((octave for octave in tried if self._innermost(octave)[1]), tried[-1])
         self._formula: BallFunction | None = None
         if closed is not None:
@@ -148,7 +151,7 @@ class ReferenceAverage:
             value = self._by_formula(r)
             if value is not None:
                 pairs.append((value, self._by_rule(r)))
-        return bool(pairs) and all(bool(abs(value - other) <= _SAME * abs(value)) for value, other in pairs)
+        return bool(pairs) and all(bool(abs(value - other) <= _AGREEMENT * abs(value)) for value, other in pairs)
 
     def __call__(self, r: arb) -> arb:
         """Return F(r), or raise `NotConverged`, or `OutOfTime` when the time of a `time_limit` is up."""
@@ -164,7 +167,9 @@ class ReferenceAverage:
             whole = self._formula(acb(r), False)
         except (ValueError, ZeroDivisionError):
             return None
-        known = whole.is_finite() and whole.imag.contains(0) and whole.real.rel_accuracy_bits() >= _ENOUGH
+        known = (
+            whole.is_finite() and whole.imag.contains(0) and whole.real.rel_accuracy_bits() >= _BITS_OF_CLOSED_FORM
+        )
         return whole.real if known else None
 
     def _by_rule(self, r: arb) -> arb:
@@ -247,7 +252,7 @@ class ReferenceAverage:
     def _innermost(self, octave: int) -> tuple[Samples, bool]:
         """Return samples from 0 to 2^octave, and whether the slope is resolved there."""
         end, order = arb(2) ** octave, self._order
-        slope, (rule, weights) = self._slope(end), gauss_grid(_NODES)
+        slope, (rule, weights) = self._slope(end), gauss_grid(_PIECE_NODES)
         u = [(1 + t) / 2 for t in rule.nodes]
         places = [(end * x**order).mid() for x in u]
         rates = [order * end * x ** (order - 1) / 2 for x in u]
@@ -256,7 +261,7 @@ class ReferenceAverage:
         heights, noise = required(_heights(balls))
         sizes = [abs(float(c)) for c in rule.coefficients(heights)]
         samples = [(x, h * w) for x, h, w in zip(places, heights, weights, strict=True)]
-        return samples, max(sizes[-2:]) <= _INTEGRATED * max(sizes) + _NOISE * noise
+        return samples, max(sizes[-2:]) <= _INTEGRATED * max(sizes) + _NOISE_RADII * noise
 
     def _resolved(self, low: arb, high: arb, below: arb) -> list[_Piece] | Unknown:
         """Return the slope between two speeds as polynomials, halved until each holds; `below` is a moment."""
@@ -269,7 +274,7 @@ class ReferenceAverage:
 
     def _polynomial(self, low: arb, high: arb, below: arb) -> Decision[_Piece, None]:
         """Accept the polynomial through values of the slope between two speeds if it is smooth, or negligible."""
-        middle, half, (rule, weights) = ((low + high) / 2).mid(), (high - low) / 2, gauss_grid(_NODES)
+        middle, half, (rule, weights) = ((low + high) / 2).mid(), (high - low) / 2, gauss_grid(_PIECE_NODES)
         slope, places = self._slope(middle), [(middle + t * half).mid() for t in rule.nodes]
         values = _heights([slope(acb(x), False).real for x in places])
         if isinstance(values, Unknown):
@@ -278,7 +283,7 @@ class ReferenceAverage:
         samples = [(x, h * w * half) for x, h, w in zip(places, heights, weights, strict=True)]
         coefficients = [c.mid() for c in rule.coefficients(heights)]
         sizes, moment = [abs(float(c)) for c in coefficients], self._moment(samples)
-        smooth = max(sizes[-2:]) <= _RESOLVED * max(sizes) + _NOISE * noise
+        smooth = max(sizes[-2:]) <= _PIECE_RTOL * max(sizes) + _NOISE_RADII * noise
         power = max(1, int(sp.ceiling(self.criterion.order_at_rest)))
         negligible = (_NEGLIGIBLE * below / ((high - low) * high**power)).max(arb(SMALLEST))
         most = (_OVERSHOOT * max(map(abs, heights), key=float)).max(negligible) if smooth else negligible
@@ -476,7 +481,7 @@ class MeanSlope:
         return np.asarray(np.max(sizes, axis=0))
 
 
-_GRID = 2.0 ** np.arange(-30, 40, 1 / 16)  # where an argument is looked at for a change of its sign
+_ARGUMENT_GRID = 2.0 ** np.arange(-30, 40, 1 / 16)  # where an argument is looked at for a change of its sign
 
 
 def reach_of(profile: Expr, point: Mapping[Expr, Expr]) -> float:
@@ -506,7 +511,7 @@ def _first_zero(expr: Expr, point: Mapping[Expr, Expr]) -> float:
     parameters, values = list(point), [float(value) for value in point.values()]
     function = function_of([symbols.v, *parameters], expr, "numpy")
     with np.errstate(all="ignore"):
-        signs = np.sign(np.broadcast_to(function(_GRID, *values), _GRID.shape))
+        signs = np.sign(np.broadcast_to(function(_ARGUMENT_GRID, *values), _ARGUMENT_GRID.shape))
     changes = np.flatnonzero(signs[1:] * signs[:-1] <= 0)
     if not changes.size:
         return np.inf
@@ -516,7 +521,7 @@ def _first_zero(expr: Expr, point: Mapping[Expr, Expr]) -> float:
         with np.errstate(all="ignore"):
             return bool(np.sign(function(v, *values)) == signs[first])
 
-    return locate_boundary(is_below, float(_GRID[first]), float(_GRID[first + 1]), 0.0)[0]
+    return locate_boundary(is_below, float(_ARGUMENT_GRID[first]), float(_ARGUMENT_GRID[first + 1]), 0.0)[0]
 
 
 def _positive_zeros(expr: Expr, point: Mapping[Expr, Expr]) -> list[float] | None:

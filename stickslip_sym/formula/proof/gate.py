@@ -33,15 +33,15 @@ from stickslip_sym.model.terms import shapes_of
 
 GATE_POINTS = 12
 GATE_DIGITS = 30
-_ROUNDED = 3  # of these digits, which the last bits of an enclosure may leave open
+_DIGITS_LEFT_OPEN = 3  # of these digits, which the last bits of an enclosure may leave open
 _QUADRATURE_DIGITS = 24  # by mpmath, where the definition is not enclosed: each digit takes long there
-_LOST = 8  # of these digits, which are not claimed
+_DIGITS_NOT_CLAIMED = 8  # of these digits, which are not claimed
 _GATE_SEED = 1
 _MOST_DRAWS = 40
 _DECADES = (-3, 3)  # of the belt speed and of every shape, for the points of the gate
 _EXPONENT_DECADES = (-0.5, 0.7)  # of a shape that is an exponent
 _LEAST_BITS = 64  # for a look at a profile
-_BITS, _MOST_BITS = 100, 600  # of these digits; of working precision
+_BITS_OF_GATE, _MOST_GATE_BITS = 100, 600  # of these digits; of working precision
 _NEARLY_AT_REST = sp.Rational(1, 10**6)  # of the belt speed, where a profile is looked at
 
 
@@ -71,7 +71,7 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
         except (InputError, NotConverged):
             continue
         got = enclosure_of(value)
-        digits = GATE_DIGITS - _ROUNDED if surely else _QUADRATURE_DIGITS - _LOST
+        digits = GATE_DIGITS - _DIGITS_LEFT_OPEN if surely else _QUADRATURE_DIGITS - _DIGITS_NOT_CLAIMED
         if not all(_is_known(side, profile, point, digits) for side in (expected, got)):
             continue
         if not expected.overlaps(got):
@@ -80,7 +80,11 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
             return Verdict(Status.REFUTED, f"formula {sides[1]}, definition {sides[0]} at {words}", point)
         compared, enclosed = compared + 1, enclosed and surely and too
         if compared == GATE_POINTS or not closed.free_symbols:
-            what = f"enclosures to {GATE_DIGITS}" if enclosed else f"quadrature to {_QUADRATURE_DIGITS - _LOST}"
+            what = (
+                f"enclosures to {GATE_DIGITS}"
+                if enclosed
+                else f"quadrature to {_QUADRATURE_DIGITS - _DIGITS_NOT_CLAIMED}"
+            )
             return Verdict(Status.CHECKED, f"agrees with {what} digits at {GATE_POINTS} random points")
     evidence = f"only {compared} of {_MOST_DRAWS} points could be compared with the definition"
     return Verdict(Status.ESTIMATED, evidence)
@@ -118,10 +122,10 @@ def _definition(profile: Expr, criterion: Criterion, point: Mapping[Expr, Expr])
         return value
 
     with suppress(InputError, NotConverged):
-        return enclosure_of(refined(enclosed, _BITS, _MOST_BITS)), True
+        return enclosure_of(refined(enclosed, _BITS_OF_GATE, _MOST_GATE_BITS)), True
     # The profile is infinite at v = 0, or holds a function that is not enclosed.
     mu = function_of([symbols.v], profile.xreplace(shapes), mp.context)
     kinks, digits = kinks_at(profile, shapes), _QUADRATURE_DIGITS
     number = exact(quadrature.average(mu, kinks, criterion, point[symbols.V], digits), "value")
-    margin = abs(number) / sp.Integer(10) ** (digits - _LOST)
+    margin = abs(number) / sp.Integer(10) ** (digits - _DIGITS_NOT_CLAIMED)
     return Enclosure.of(number - margin, number + margin), False

@@ -8,7 +8,7 @@ from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.functions import elementary
 from stickslip_sym.model.terms import expand_above
 
-_LONGEST = 8
+_MOST_SUM_TERMS = 8
 """Whole numbers e up to which 2F1(p, e; e + 1; z) is written by its e powers of 1 - z."""
 _BOUND = sp.Dummy("xi", real=True)  # the variable of every integral in normal form
 
@@ -138,7 +138,7 @@ def _elementary_hypergeometric(node: Expr) -> Expr:
         return sp.atan(sp.sqrt(-z)) / sp.sqrt(-z)
     if is_integral_of_binomial(node):
         e, p = node.bq[0] - 1, sp.Add(*node.ap) - node.bq[0] + 1
-        if e.is_Integer and 0 < e <= _LONGEST and p.is_Rational and not p.is_Integer:
+        if e.is_Integer and 0 < e <= _MOST_SUM_TERMS and p.is_Rational and not p.is_Integer:
             return _hypergeometric_of_whole_order(int(e), p, z)
     return sp.hyper(node.ap, node.bq, z)
 

@@ -32,14 +32,14 @@ from stickslip_sym.model.expression.pieces import kinks_at
 from stickslip_sym.output.data import DataResult
 from stickslip_sym.output.shown import Shown
 
-_SAMPLES = 8
-_DIGITS = 22  # of the sides' size, to which they are the same, errors included, to count as equal
-_NOTHING = arb("1e-60")  # what both sides may differ by where they are 0
+_RANDOM_POINTS = 8
+_DIGITS_OF_EQUALITY = 22  # of the sides' size, to which they are the same, errors included, to count as equal
+_SIZE_OF_ZERO = arb("1e-60")  # what both sides may differ by where they are 0
 _STRICT = (sp.StrictLessThan, sp.StrictGreaterThan)
 _BINDING = (sp.Integral, sp.Sum, sp.Product, sp.Derivative, sp.Subs, sp.Limit, sp.Lambda)
-_ENOUGH = math.ceil((_DIGITS + 3) * math.log2(10))  # bits of a value that are enough
-_MOST_BITS = 784  # of working precision
-_MOST_VALUES = 3000  # of an integrand, before its integral counts as unknown
+_BITS_OF_VALUE = math.ceil((_DIGITS_OF_EQUALITY + 3) * math.log2(10))  # bits of a value that are enough
+_MOST_PROOF_BITS = 784  # of working precision
+_MOST_INTEGRAND_VALUES = 3000  # of an integrand, before its integral counts as unknown
 
 
 @dataclass(frozen=True)
@@ -83,11 +83,17 @@ def prove_equal(lhs: Expr, rhs: Expr, by: By | None = None, checked: Verdict | N
     if verdict is not None:
         return verdict
     obstacle += open_
-    if agreed < _SAMPLES // 2:
-        evidence = f"only {agreed} of {_SAMPLES} points say anything to {_DIGITS} digits; {obstacle}"
+    if agreed < _RANDOM_POINTS // 2:
+        evidence = (
+            f"only {agreed} of {_RANDOM_POINTS} points say anything to {_DIGITS_OF_EQUALITY} digits; {obstacle}"
+        )
         return Verdict(Status.ESTIMATED, evidence)
-    where = f"{_SAMPLES} random points" if agreed == _SAMPLES else f"{agreed} of {_SAMPLES} random points"
-    return Verdict(Status.CHECKED, f"equal to {_DIGITS} digits at {where}; {obstacle}")
+    where = (
+        f"{_RANDOM_POINTS} random points"
+        if agreed == _RANDOM_POINTS
+        else f"{agreed} of {_RANDOM_POINTS} random points"
+    )
+    return Verdict(Status.CHECKED, f"equal to {_DIGITS_OF_EQUALITY} digits at {where}; {obstacle}")
 
 
 def prove_positive(expr: Expr) -> Verdict:
@@ -97,9 +103,11 @@ def prove_positive(expr: Expr) -> Verdict:
     verdict, positive, _ = _judge_at_points((expr,), _judge_positive)
     if verdict is not None:
         return verdict
-    if positive < _SAMPLES:
-        return Verdict(Status.ESTIMATED, f"its sign is certain at {positive} of {_SAMPLES} random points only")
-    return Verdict(Status.CHECKED, f"positive at {_SAMPLES} random points; no proof was found")
+    if positive < _RANDOM_POINTS:
+        return Verdict(
+            Status.ESTIMATED, f"its sign is certain at {positive} of {_RANDOM_POINTS} random points only"
+        )
+    return Verdict(Status.CHECKED, f"positive at {_RANDOM_POINTS} random points; no proof was found")
 
 
 # -- exactly ---------------------------------------------------------------------------------------
@@ -161,7 +169,7 @@ def _judge_equal(left: acb, right: acb) -> str | bool:
         first, second = (enclosure_of(getattr(side, part)) for side in (left, right))
         return "left {0}{2}, right {1}{2}".format(*first.apart(second), unit)
     size = left.abs_upper() + right.abs_upper()
-    return bool((left - right).abs_upper() <= (size * arb(10) ** -_DIGITS).max(_NOTHING))
+    return bool((left - right).abs_upper() <= (size * arb(10) ** -_DIGITS_OF_EQUALITY).max(_SIZE_OF_ZERO))
 
 
 def _judge_positive(value: acb) -> str | bool:
@@ -180,7 +188,7 @@ def _random_points(*sides: Expr) -> list[dict[Expr, Expr]]:
     functions = sorted({node.func for side in sides for node in side.atoms(AppliedUndef)}, key=str)
     w = sp.Symbol("w", real=True)
     points = []
-    for number in range(_SAMPLES):
+    for number in range(_RANDOM_POINTS):
         point: dict[Expr, Expr] = {}
         either = 0  # symbols so far that may have either sign
         for symbol in symbols:
@@ -235,7 +243,7 @@ def _value(expr: Expr, point: Mapping[Expr, Expr]) -> acb:
         ]
 
     try:
-        value = refined(computed, _ENOUGH, _MOST_BITS)
+        value = refined(computed, _BITS_OF_VALUE, _MOST_PROOF_BITS)
     except InputError as failure:
         raise NotConverged(str(failure)) from None
     except ValueError:
@@ -266,5 +274,5 @@ def _ball_of_integral(integral: Expr) -> acb:
             ends = [start, *(kink for kink in kinks_at(f, {}) if start < kink < end), end]
             for piece, (left, right) in zip(smooth_pieces(f, {}, ends), pairwise(ends), strict=True):
                 integrand = ball_function(piece, symbols.v, {})
-                total += integrated(integrand, ball(left), ball(right), eval_limit=_MOST_VALUES)
+                total += integrated(integrand, ball(left), ball(right), eval_limit=_MOST_INTEGRAND_VALUES)
     return total if limits[0] == low else -total

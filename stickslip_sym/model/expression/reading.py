@@ -43,10 +43,11 @@ _SPEEDS = (
 )  # fmt: skip
 """Words for the slip speed, in small letters and without underscores."""
 _LONG_SPEEDS = [word for word in _SPEEDS if len(word) > 4]
-_CLOSE = 0.75  # difflib's ratio, of similar words: a letter wrong, missing or added in a word of four or more
+_SIMILARITY_RATIO = 0.75
+"""Difflib's ratio, of similar words: a letter wrong, missing or added in a word of four or more."""
 _LIKE_V = frozenset({"vr", "vv", "v"})  # besides v: perhaps a reference speed
 _DEPTH = 5  # calls from a line that makes a law to the warning
-_SHOWN = 5  # names in a message
+_NAMES_SHOWN = 5  # names in a message
 
 
 def require_evaluation() -> None:
@@ -171,7 +172,7 @@ def _check_speed(names: Sequence[str], *, has_v: bool, bare: bool) -> None:
     for name in names:
         plain = name.replace("_", "").lower()
         # Not vel_0 nor speed1: a digit makes it one speed among others.
-        similar = plain.isalpha() and get_close_matches(plain, _LONG_SPEEDS, n=1, cutoff=_CLOSE)
+        similar = plain.isalpha() and get_close_matches(plain, _LONG_SPEEDS, n=1, cutoff=_SIMILARITY_RATIO)
         if plain in _SPEEDS or similar or (not has_v and name[0] in "vV"):
             missing = "" if has_v else "the formula has no v, and "
             what = f"{missing}{name!r} looks like the slip speed, which is v"
@@ -179,7 +180,7 @@ def _check_speed(names: Sequence[str], *, has_v: bool, bare: bool) -> None:
         if has_v and plain in _LIKE_V:
             _warn(f"{name!r} is taken for a parameter; the slip speed is v. ", *_or_declare(name))
     if names and not (has_v or bare):
-        shown = ", ".join(names[:_SHOWN])
+        shown = ", ".join(names[:_NAMES_SHOWN])
         _warn(
             f"the formula has no v, so mu is the same at every slip speed; its parameters: {shown}. If one of "
             "them is the slip speed, write v; if mu is constant, add 0*v to say so"

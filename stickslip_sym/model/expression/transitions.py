@@ -23,8 +23,8 @@ from stickslip_sym.core.functions import fold, row
 
 HIGHEST_DEGREE = 24
 """Of a polynomial whose zeros are computed: higher ones take milliseconds."""
-_FARTHEST = 700.0  # logarithm of a speed that a float holds
-_DIGITS = 60  # of a constant that is no rational number
+_MOST_LOG_SPEED = 700.0  # logarithm of a speed that a float holds
+_DIGITS_OF_CONSTANT = 60  # of a constant that is no rational number
 
 
 class _Argument(NamedTuple):
@@ -94,7 +94,7 @@ def _constant_polynomial(node: Expr, point: Mapping[Expr, Expr]) -> fmpq_poly | 
     value = number_at(node, point)
     if not value.is_finite:
         return None
-    return fmpq_poly([rational(value if value.is_Rational else sp.Rational(value.n(_DIGITS)))])
+    return fmpq_poly([rational(value if value.is_Rational else sp.Rational(value.n(_DIGITS_OF_CONSTANT)))])
 
 
 def _logarithm_of_power(node: Expr, point: Mapping[Expr, Expr]) -> _Argument | None:
@@ -114,7 +114,7 @@ def _speed_transitions(changes: Iterator[Transition], of_logarithm: bool) -> Ite
     for place, width in changes:
         if not of_logarithm:
             yield Transition(place, width)
-        elif abs(place) < _FARTHEST:
+        elif abs(place) < _MOST_LOG_SPEED:
             yield Transition(math.exp(place), math.exp(place) * width)
 
 

@@ -13,10 +13,10 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.data import DataResult, TableResult, columns_of
 
 _USUAL = 0.95  # probability of an interval
-_NODES = (np.arange(400) + 0.5) / 400  # probabilities at which the narrower of two errors is averaged over
+_PROBABILITIES = (np.arange(400) + 0.5) / 400  # probabilities at which the narrower of two errors is averaged over
 _SHARP = 1e-300  # a standard error in place of 0
-_BEYOND = 100  # times less likely than the ends of an interval: there it is bracketed
-_RESOLVED = 1e-9  # of the bracket
+_BRACKET_LIKELIHOOD_RATIO = 100  # times less likely than the ends of an interval: there it is bracketed
+_BRACKET_RTOL = 1e-9  # of the bracket
 _BUILDS_UP = 0.03  # probability that friction builds up from 0 below the lowest measured speed, of each law
 _SHARES = (np.arange(8) + 0.5) / 8  # of the part that hangs on it, which any share of may be missing
 
@@ -146,11 +146,11 @@ class Averaged(TableResult):
         If friction may build up from 0 where it was not measured, it reaches down to what it is then.
         """
         measured = replace(self, rows=tuple(replace(row, unmeasured=0.0) for row in self.rows))
-        low, high = measured.range(1 - (1 - level) / _BEYOND)
+        low, high = measured.range(1 - (1 - level) / _BRACKET_LIKELIHOOD_RATIO)
         if not (np.isfinite([low, high]).all() and low < high):
             return low - self.unmeasured, high
 
-        resolved = _RESOLVED * (high - low)
+        resolved = _BRACKET_RTOL * (high - low)
         bracket = low - resolved, high + resolved  # values without an error are steps of the probability
 
         def end(share: float) -> float:
@@ -186,5 +186,5 @@ def _probability_above(distance: float, scale: float, dof: float, error: float) 
     if error <= 0:
         return float(stdtr(dof, distance / max(scale, _SHARP)))
     if error < scale:
-        return float(np.mean(stdtr(dof, (distance + error * ndtri(_NODES)) / scale)))
-    return float(np.mean(ndtr((distance + scale * stdtrit(dof, _NODES)) / error)))
+        return float(np.mean(stdtr(dof, (distance + error * ndtri(_PROBABILITIES)) / scale)))
+    return float(np.mean(ndtr((distance + scale * stdtrit(dof, _PROBABILITIES)) / error)))

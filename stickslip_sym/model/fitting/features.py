@@ -16,7 +16,7 @@ from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.model.expression.pieces import places
 
 _SIZES = np.geomspace(1e-12, 1e12, 4001)  # of a parameter, between which what it moves is interpolated
-_TURN = 0.75  # radians over all speeds between two frequencies; a minimum is some 6 wide
+_RADIANS_BETWEEN_FREQUENCIES = 0.75  # radians over all speeds between two frequencies; a minimum is some 6 wide
 PHASES = np.pi / 4 * np.arange(1, 5)
 """Radians by which a wave is shifted, besides half a turn; none is near 0, the bound of a positive parameter."""
 _MOST_LEVELS = 400  # of a grid
@@ -71,7 +71,9 @@ def features_of(
         return []
     middles = _thinned((speeds[1:] + speeds[:-1]) / 2)
     turns = np.pi * (len(speeds) - 1)  # a wave that turns faster between evenly spaced speeds is a slower one too
-    radians = np.linspace(_TURN, turns, min(int(turns / _TURN), 3 * _MOST_LEVELS))
+    radians = np.linspace(
+        _RADIANS_BETWEEN_FREQUENCIES, turns, min(int(turns / _RADIANS_BETWEEN_FREQUENCIES), 3 * _MOST_LEVELS)
+    )
     arguments, features, taken = [*free, *bound], list[SearchGrid](), set[int]()
 
     def moving(part: Expr) -> list[int]:

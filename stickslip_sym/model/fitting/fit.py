@@ -30,19 +30,22 @@ from stickslip_sym.model.measured.noise import correlation_of
 _USUAL: Any = {"divide": "warn", "over": "warn", "under": "ignore", "invalid": "warn"}
 """What NumPy does about errors unless a user has set otherwise: products underflow within SciPy's solvers too."""
 _STARTS = 4  # different ones; for most laws the best few of the trials lead to one minimum
-_MANY = 1000  # rows, from which starts lead to a minimum of the means of bins, and the best to one of all rows
+_ROWS_TO_BIN = 1000
+"""Rows, from which starts lead to a minimum of the means of bins, and the best to one of all rows."""
 _BINS = 300
 _SINGULAR = 1e-7  # least singular value of the scaled derivatives over the largest: a smaller one has no effect
-_SAME = 1e-8  # relative difference of two sums of squares that are one minimum; two starts in it are enough
-_NOTHING = 100.0  # relative standard error, beyond which a parameter that is not linear was not measured
+_SAME_MINIMUM = 1e-8
+"""Relative difference of two sums of squares that are one minimum; two starts in it are enough."""
+_ERROR_OF_UNMEASURED = 100.0
+"""Relative standard error, beyond which a parameter that is not linear was not measured."""
 _LOOSE = 0.5  # relative standard error of a positive parameter that is worth a warning
 _MIXED = 0.1  # part in the direction without effect, over the largest: smaller parts are not named
 _ALIKE = 0.999  # correlation of two parameters that is worth a warning
 _UNLIKELY = 1e-3  # probability of what residuals show, if what is assumed of them holds, that is worth a warning
 _DESCRIBES = 0.01  # probability of what two further terms explain, below which a law does not describe the rows
-_FEWEST = 8  # rows, up to which no correlation stands out
+_FEWEST_ROWS_CORRELATED = 8  # rows, up to which no correlation stands out
 _JUMPS = 1e-6  # of the largest mu, between just below and just above a place
-_BESIDE = 1e-9  # relative distance of such speeds
+_RELATIVE_DISTANCE_OF_SPEEDS = 1e-9  # relative distance of such speeds
 _RIVAL = 9.0  # rise of chi-squared, below which the noise may have chosen between two minima
 _RISEN = 0.75  # of the largest mu: a law with mu(0) = 0 has built up friction where it first reaches this
 
@@ -214,7 +217,7 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
             raise _undetermined(names, np.array([i]), p)
         covariance[i, i] = ((high - low) / 2 / NORMAL) ** 2
     errors = np.sqrt(np.diag(covariance))
-    for i in np.flatnonzero(smooth & ~problem.linear & (errors > _NOTHING * np.abs(p))):
+    for i in np.flatnonzero(smooth & ~problem.linear & (errors > _ERROR_OF_UNMEASURED * np.abs(p))):
         alike = np.abs(covariance[i]) > _ALIKE * errors[i] * errors
         raise _undetermined(names, np.flatnonzero(alike), p / np.maximum(errors, np.finfo(float).tiny))
     warned = [*_warnings(problem, p, covariance, noise, chi_squared), *_rivals(fitted, rivals)]
@@ -230,12 +233,12 @@ def _best_minimum(problem: Problem) -> tuple[Minimum | None, list[tuple[int, Min
     Those of many rows are sought for means of bins.
     """
     measured, coarse = problem.measured, problem
-    if len(measured) > _MANY:
+    if len(measured) > _ROWS_TO_BIN:
         means = measured.binned(_BINS)  # whose own scatter is no sigma
         coarse = Problem(problem.law, means if measured.sigma is not None else replace(means, sigma=None))
     best: Minimum | None = None
     for minimum in filter(None, map(coarse.minimum, coarse.starts(_STARTS))):
-        if best is not None and abs(minimum.chi_squared - best.chi_squared) <= _SAME * best.chi_squared:
+        if best is not None and abs(minimum.chi_squared - best.chi_squared) <= _SAME_MINIMUM * best.chi_squared:
             break
         best = min(best or minimum, minimum, key=lambda reached: reached.chi_squared)
     if best is None:
@@ -255,7 +258,9 @@ def _places_of_jumps(problem: Problem, p: FloatArray) -> tuple[str, ...]:
     for feature in problem.features:
         place = problem.measured_at(feature, p)
         if feature.breaks and place > 0:
-            below, at, above = law.at_speeds(place * np.array([1 - _BESIDE, 1, 1 + _BESIDE]))
+            below, at, above = law.at_speeds(
+                place * np.array([1 - _RELATIVE_DISTANCE_OF_SPEEDS, 1, 1 + _RELATIVE_DISTANCE_OF_SPEEDS])
+            )
             if abs(above - below) > _JUMPS * max(abs(at), abs(above), abs(below)):
                 if not feature.alone:
                     raise InputError(
@@ -317,7 +322,7 @@ class _Noise(NamedTuple):
 def _noise_of(residuals: FloatArray, measured: Measurements, k: int) -> _Noise:
     """Return how residuals are correlated along the file and along the speed: the stronger of the two."""
     rounding = SAME * np.max(np.abs(measured.weights * measured.mu))
-    if len(residuals) <= _FEWEST or np.max(np.abs(residuals)) <= rounding:
+    if len(residuals) <= _FEWEST_ROWS_CORRELATED or np.max(np.abs(residuals)) <= rounding:
         return _Noise()
     along_speed = _Noise(*correlation_of(residuals, k), "along the speed")
     if measured.order is None:
@@ -354,7 +359,7 @@ def _notes_on_rest(law: FrictionLaw, measured: Measurements) -> Iterator[str]:
     """Yield that rows at rest reach a coefficient above that of the first slip, if they do."""
     if measured.static_at_least is None or law.static is not None:
         return
-    first = float(law.at_speeds(np.array([_BESIDE * measured.v[-1]]))[0])
+    first = float(law.at_speeds(np.array([_RELATIVE_DISTANCE_OF_SPEEDS * measured.v[-1]]))[0])
     if measured.static_at_least > first:
         static = Argument("static", f"{measured.static_at_least:.4g}")
         yield (

@@ -19,7 +19,7 @@ from stickslip_sym.model.measured.measurements import Measurements
 
 _AT_REST = 1e-200  # m/s, in place of 0, where a power of v has no derivative with respect to its exponent
 _TOLERANCE = 1e-11  # relative, of the sum of squares and of the values; rounding allows 1e-14
-_ROUNDING = 1e-15  # cosine of the angle between residuals and derivatives that is 0
+_ROUNDING_OF_COSINE = 1e-15  # cosine of the angle between residuals and derivatives that is 0
 _CONVERGED = range(1, 5)  # what `leastsq` returns where one of its tolerances is met
 _EVALUATIONS = 600  # of the law, for one start; more are needed only where values grow without bound
 _OUTSIDE = 1e6  # largest residual, in units of the largest weighted mu, and where the law has no real value
@@ -28,14 +28,15 @@ _STEEPEST = 1e100  # largest derivative of a residual: its square and sums of su
 
 _SEED = 1785
 _TRIALS = 40  # for each parameter in which mu is not linear; half of them where each has grids
-_BEYOND = 3.0  # factor above the largest and below the smallest measured speed, between which speeds are tried
+_SPEED_RANGE_FACTOR = 3.0
+"""Factor above the largest and below the smallest measured speed, between which speeds are tried."""
 _EXPONENTS = 0.2, 4.0  # the range of pure numbers that are tried
-_APART = 0.7  # natural logarithms by which some value differs between two starts
+_LOG_DISTANCE_OF_STARTS = 0.7  # natural logarithms by which some value differs between two starts
 _APART_ON_A_GRID = 0.01  # the same, of a place or a frequency, beside which another minimum may be
 _FEWEST_TRIALS = 4  # of places and frequencies, each from another begin of the others
 _RIDGE = 1e-10  # of scaled normal equations, where two columns are one
 _BATCH = 500_000  # residuals of a grid that are computed at a time
-_NEAR = 60  # gaps between speeds on either side, among which a place is looked for again
+_GAPS_LOOKED_AT = 60  # gaps between speeds on either side, among which a place is looked for again
 _BETTER = 1e-9  # relative fall of a sum of squares that is worth another descent
 _BEST_OF_GRID = 2  # neighbours, each with the same wave half a turn on, which bounds of its height may ask for
 
@@ -131,7 +132,13 @@ class Problem:
             how: dict[str, Any] = {"ftol": _TOLERANCE, "xtol": _TOLERANCE}
             # Levenberg and Marquardt's method knows no bounds, and follows flat valleys in fewer steps.
             x, _, _, _, status = leastsq(
-                residuals, begin, Dfun=slopes, full_output=True, gtol=_ROUNDING, maxfev=_EVALUATIONS, **how
+                residuals,
+                begin,
+                Dfun=slopes,
+                full_output=True,
+                gtol=_ROUNDING_OF_COSINE,
+                maxfev=_EVALUATIONS,
+                **how,
             )
             if (x < lowest).any() or (x > highest).any():
                 result = least_squares(
@@ -163,7 +170,7 @@ class Problem:
         """Return the middles of the gaps between speeds that are next to a place."""
         speeds = self.measured.speeds[self.measured.speeds > 0]
         gap = int(np.searchsorted(speeds, self.measured_at(feature, p)))
-        near = speeds[max(gap - _NEAR, 0) : gap + _NEAR]
+        near = speeds[max(gap - _GAPS_LOOKED_AT, 0) : gap + _GAPS_LOOKED_AT]
         return (near[1:] + near[:-1]) / 2
 
     def _moved(self, p: FloatArray, feature: SearchGrid, levels: FloatArray) -> FloatArray:
@@ -223,7 +230,7 @@ class Problem:
     def starts(self, count: int) -> Iterator[FloatArray]:
         """Yield up to `count` starts that differ, the best of random trials first."""
         moved = {i for feature in self.features for i in (feature.moved, *dict(feature.phases))}
-        apart = np.where([i in moved for i in self.sought], _APART_ON_A_GRID, _APART)
+        apart = np.where([i in moved for i in self.sought], _APART_ON_A_GRID, _LOG_DISTANCE_OF_STARTS)
         chosen = list[FloatArray]()
         for p in self._best_first(self._trials(moved)):
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -239,7 +246,9 @@ class Problem:
         rng = np.random.default_rng(_SEED)
         powers = [_power_of_speed(self._units[i]) for i in self.sought]
         above = self._v[self._v > _AT_REST]
-        speeds = (above.min() / _BEYOND, above.max() * _BEYOND) if len(above) else (0.1, 1.0)
+        speeds = (
+            (above.min() / _SPEED_RANGE_FACTOR, above.max() * _SPEED_RANGE_FACTOR) if len(above) else (0.1, 1.0)
+        )
         drawn = [i for i in self.sought if i not in moved]
         count = _TRIALS * len(drawn) // (2 if self.features else 1)
         trials = list[FloatArray]()

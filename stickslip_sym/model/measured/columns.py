@@ -39,7 +39,7 @@ class Unit(NamedTuple):
     size: Fraction
 
 
-_TURN = Fraction(2 * math.pi)
+_RADIANS_OF_TURN = Fraction(2 * math.pi)
 _NUMBERS = ("1", "-", "–", "—", "--", "dimensionless", "none", "N/N")
 _UNITS = {
     name: Unit(kind, Fraction(size))
@@ -47,10 +47,10 @@ _UNITS = {
     for name, size in map(str.split, text.split(", "))
 } | {name: Unit("number", Fraction(1)) for name in _NUMBERS}
 _UNITS |= {
-    "rpm": Unit("rotation", _TURN / 60),
-    "RPM": Unit("rotation", _TURN / 60),
-    "Hz": Unit("rotation", _TURN),  # of a speed: turns in a second
-    "rps": Unit("rotation", _TURN),
+    "rpm": Unit("rotation", _RADIANS_OF_TURN / 60),
+    "RPM": Unit("rotation", _RADIANS_OF_TURN / 60),
+    "Hz": Unit("rotation", _RADIANS_OF_TURN),  # of a speed: turns in a second
+    "rps": Unit("rotation", _RADIANS_OF_TURN),
     "kg": Unit("force", Fraction("9.80665")),  # of a load that weighs as much
 }
 _WEIGHTS = {
@@ -58,8 +58,8 @@ _WEIGHTS = {
     for name, unit in _UNITS.items() if unit.kind == "mass"
 } | {"kg": _UNITS["kg"]}  # fmt: skip
 """Units of mass that a column of a force is in: those of what weighs as much."""
-_ANGLES = {"rad": Fraction(1), "deg": _TURN / 360, "°": _TURN / 360}
-_ANGLES |= dict.fromkeys(("rev", "r", "U", "1", "turn", ""), _TURN)
+_ANGLES = {"rad": Fraction(1), "deg": _RADIANS_OF_TURN / 360, "°": _RADIANS_OF_TURN / 360}
+_ANGLES |= dict.fromkeys(("rev", "r", "U", "1", "turn", ""), _RADIANS_OF_TURN)
 _POWER_OF_TEN = re.compile(r"(?:10(?:\^|\*\*)?|1[eE])(?P<power>[+-]\d\d?)[ *·]*(?P<unit>[^\W\d].*)")  # 10^-3 m/s
 _SUPERSCRIPT = re.compile("[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+")
 _TORQUE = re.compile(r"(?P<force>[^\W\d]+?)[ .·*]?(?P<length>m|cm|mm|in|ft)")  # N m, mNm, lbf ft

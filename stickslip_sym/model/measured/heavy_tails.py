@@ -14,33 +14,35 @@ from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.model.measured.noise import last_decimal
 from stickslip_sym.model.measured.sweep_branches import splines
 
-_FEWEST = 200  # rows, below which tails are not told from a few stray ones
-_BLOCK = 100  # rows at neighbouring speeds, whose noise is of one size
-_OFF, _FAR = 3.5, 6.0  # robust standard deviations: a little off, and far
-_NORMAL = 2 * float(ndtr(-_OFF) - ndtr(-_FAR))  # share of rows of normal noise between these
+_FEWEST_ROWS_WITH_TAILS = 200  # rows, below which tails are not told from a few stray ones
+_ROWS_OF_ONE_NOISE = 100  # rows at neighbouring speeds, whose noise is of one size
+_DEVIATIONS_OFF, _DEVIATIONS_FAR_OFF = 3.5, 6.0  # robust standard deviations: a little off, and far
+_NORMAL_SHARE = 2 * float(
+    ndtr(-_DEVIATIONS_OFF) - ndtr(-_DEVIATIONS_FAR_OFF)
+)  # share of rows of normal noise between these
 _UNLIKELY = 1e-6  # probability of as many rows a little off, if noise is normal
-_MORE = 5  # times as many as normal noise has; sizes of the noise are known to 12 % only, which doubles that
+_TAIL_RATIO = 5  # times as many as normal noise has; sizes of the noise are known to 12 % only, which doubles that
 _STRAY = 4  # rows a little off for one far off; a stray row makes its two neighbours seem so
 _DEVIATION = 1.4826  # standard deviation over the median of abs(residual), if noise is normal
-_COARSE = 2  # last decimals, below which the size of noise is not resolved
+_LEAST_NOISE_IN_DECIMALS = 2  # last decimals, below which the size of noise is not resolved
 _HUBER = 1.345
-_ENOUGH = 10_000  # rows for the curve: its error is then a hundredth of the noise
+_ROWS_FOR_CURVE = 10_000  # rows for the curve: its error is then a hundredth of the noise
 _ROUNDS = 20  # of weights and curve in turn; they settle to 1e-3 in some ten
 
 
 def have_heavy_tails(v: FloatArray, y: FloatArray) -> bool:
     """Return whether coefficients at ascending speeds scatter with heavier tails than normal noise."""
-    if len(y) < _FEWEST:
+    if len(y) < _FEWEST_ROWS_WITH_TAILS:
         return False
     bends = _bends(v, y)
     scales = _local_scale(bends)
-    if scales.min() <= _COARSE * last_decimal(y):
+    if scales.min() <= _LEAST_NOISE_IN_DECIMALS * last_decimal(y):
         return False  # sizes of the noise cannot be told in so coarse digits
     sizes = np.abs(bends) / np.maximum(scales, np.finfo(np.float64).tiny)
-    far = int((sizes >= _FAR).sum())
-    off = int((sizes >= _OFF).sum()) - far
-    expected = _NORMAL * len(sizes)
-    return off > max(_STRAY * far, _MORE * expected) and float(pdtrc(off - 1, expected)) < _UNLIKELY
+    far = int((sizes >= _DEVIATIONS_FAR_OFF).sum())
+    off = int((sizes >= _DEVIATIONS_OFF).sum()) - far
+    expected = _NORMAL_SHARE * len(sizes)
+    return off > max(_STRAY * far, _TAIL_RATIO * expected) and float(pdtrc(off - 1, expected)) < _UNLIKELY
 
 
 def _bends(v: FloatArray, y: FloatArray) -> FloatArray:
@@ -54,7 +56,7 @@ def _bends(v: FloatArray, y: FloatArray) -> FloatArray:
 
 def huber_weights(v: FloatArray, y: FloatArray) -> FloatArray:
     """Return a factor between 0 and 1 for the square of each row's residual, by a smooth curve of the speed."""
-    every = slice(None, None, max(len(y) // _ENOUGH, 1))
+    every = slice(None, None, max(len(y) // _ROWS_FOR_CURVE, 1))
     all_columns = splines(v)
     columns, some = all_columns[every], y[every]
     weights: FloatArray = np.ones(len(some))
@@ -73,7 +75,7 @@ def _weights_of(residuals: FloatArray) -> FloatArray:
 
 def _local_scale(residuals: FloatArray) -> FloatArray:
     """Return the robust standard deviation of the noise at each of many rows, by blocks of neighbours."""
-    count = max(len(residuals) // _BLOCK, 1)
+    count = max(len(residuals) // _ROWS_OF_ONE_NOISE, 1)
     size, longer = divmod(len(residuals), count)
     sizes, begin = np.abs(residuals), longer * (size + 1)
     blocks = sizes[:begin].reshape(longer, size + 1), sizes[begin:].reshape(count - longer, size)

@@ -24,13 +24,16 @@ from stickslip_sym.model.measured.text_table import Table, read_table
 from stickslip_sym.output.data import TableResult
 from stickslip_sym.output.shown import Drawn, views_of
 
-_FEW = 0.05  # share of rows with the other sign, up to which they are noise of a small force
+_SHARE_OF_OTHER_SIGN = 0.05  # share of rows with the other sign, up to which they are noise of a small force
 _LARGEST_MU = 5.0  # no dry or lubricated contact comes near it
 _FASTEST = 100.0  # m/s, above which a speed without a unit is taken for one in mm/s
 _OUTLYING = 6.0  # robust standard deviations off a smooth curve: noise does that once in 5e8
 _FEW_ROWS = 20.0  # of fewer the robust deviation is itself uncertain by a factor
-_FAR = 2.0, 3.0  # times what three rows span, and the mean gap of speeds: mu may be any number beyond such a gap
-_BESIDE = 3  # rows on either side that an outlier is held against; one of them may be an outlier too
+_GAP_RATIOS = (
+    2.0,
+    3.0,
+)  # times what three rows span, and the mean gap of speeds: mu may be any number beyond such a gap
+_ROWS_BESIDE_OUTLIER = 3  # rows on either side that an outlier is held against; one of them may be an outlier too
 _RISES = 4.0  # times what friction changes between rows beside an outlier, which a smooth curve may exceed too
 _ROBUST = 1.4826 / 1.5**0.5  # standard deviation over the median of |mu_i - (mu_i-1 + mu_i+1)/2|
 _LARGE_TRACK = 1.0  # m; those of tribometers are smaller
@@ -467,7 +470,7 @@ def _outliers(v: FloatArray, y: FloatArray) -> BoolArray:
 
     A row that is far from those beside it is none: the curve may change between them.
     """
-    if len(y) < 2 * _BESIDE + 1:
+    if len(y) < 2 * _ROWS_BESIDE_OUTLIER + 1:
         return np.zeros(len(y), dtype=bool)
     noise = _ROBUST * float(np.median(np.abs(y[1:-1] - (y[:-2] + y[2:]) / 2)))
     few = 1 + (_FEW_ROWS / len(y)) ** 2
@@ -478,18 +481,21 @@ def _outliers(v: FloatArray, y: FloatArray) -> BoolArray:
     middle = np.maximum(lower, np.minimum(upper, third))
     gap_below, gap_above = middle - np.minimum(lower, third), np.maximum(upper, third) - middle
     i = np.arange(len(y))
-    below, above = np.clip(i - _BESIDE, 0, None), np.clip(i + 1, None, len(y) - _BESIDE)
-    below[:_BESIDE], above[-_BESIDE:] = above[:_BESIDE], below[-_BESIDE:]  # at an end, the rows on the other side
+    below, above = np.clip(i - _ROWS_BESIDE_OUTLIER, 0, None), np.clip(i + 1, None, len(y) - _ROWS_BESIDE_OUTLIER)
+    below[:_ROWS_BESIDE_OUTLIER], above[-_ROWS_BESIDE_OUTLIER:] = (
+        above[:_ROWS_BESIDE_OUTLIER],
+        below[-_ROWS_BESIDE_OUTLIER:],
+    )  # at an end, the rows on the other side
     low, high = np.minimum(middle[below], middle[above]), np.maximum(middle[below], middle[above])
     least, largest = np.minimum(gap_below, gap_above), np.maximum(gap_below, gap_above)
     change = np.where(below == above, largest[below], np.maximum(least[below], least[above]))
     slack = np.maximum(tolerance, _RISES * change)
     first = np.abs(y) > _RISES * np.abs(high) + slack
-    spans = v[_BESIDE - 1 :] - v[: 1 - _BESIDE]  # of trios
-    gap = np.maximum(v - v[np.minimum(below + _BESIDE - 1, i)], v[np.maximum(above, i)] - v)
+    spans = v[_ROWS_BESIDE_OUTLIER - 1 :] - v[: 1 - _ROWS_BESIDE_OUTLIER]  # of trios
+    gap = np.maximum(v - v[np.minimum(below + _ROWS_BESIDE_OUTLIER - 1, i)], v[np.maximum(above, i)] - v)
     mean = (v[-1] - v[0]) / len(np.unique(v))
-    far = gap > np.maximum(_FAR[0] * np.maximum(spans[below], spans[above]), _FAR[1] * mean)
-    return np.asarray(np.where(i < _BESIDE, first, (y < low - slack) | (y > high + slack)) & ~far)
+    far = gap > np.maximum(_GAP_RATIOS[0] * np.maximum(spans[below], spans[above]), _GAP_RATIOS[1] * mean)
+    return np.asarray(np.where(i < _ROWS_BESIDE_OUTLIER, first, (y < low - slack) | (y > high + slack)) & ~far)
 
 
 def _fold(table: Table) -> tuple[FloatArray, FloatArray, FloatArray | None, IntArray, list[str]]:
@@ -533,7 +539,7 @@ def _remove_stroke_signs(
     along = way if reverses else np.ones_like(mu)
     below, above = (int((side * along * mu > 0).sum()) for side in (-1, 1))
     direction = -1 if below > above else 1
-    if min(below, above) <= _FEW * (below + above):
+    if min(below, above) <= _SHARE_OF_OTHER_SIGN * (below + above):
         folded = np.where(along == 0, np.abs(mu), direction * along * mu)  # a speed of 0 has no direction
         return folded, way, notes
     if reverses:

@@ -19,21 +19,21 @@ from stickslip_sym.model.measured.noise import correlation_of
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-_TURN = 0.1  # of the range of speeds: a smaller return of the speed is jitter, and ends no branch
+_SHARE_OF_TURN = 0.1  # of the range of speeds: a smaller return of the speed is jitter, and ends no branch
 _FLAT = 0.02  # relative: rows this near to a turn's speed dwell there, half of them on each branch
-_FEWEST = 4  # speeds of a branch; rows in random order turn after one or two
+_FEWEST_SPEEDS_OF_BRANCH = 4  # speeds of a branch; rows in random order turn after one or two
 _IN_ORDER = 0.8  # share of the rows that belong to such branches where speeds were swept
-_MANY = 50_000  # rows, of which stretches tell whether they are in random order
+_ROWS_TO_SAMPLE = 50_000  # rows, of which stretches tell whether they are in random order
 _STRETCH, _STRETCHES = 500, 20
 _PASSED = 64  # rows that are looked at together for a turn
-_HIGHEST = 4  # degree of the hysteresis in the share of rows below a speed
-_COLUMNS = 4, 30  # fewest and most columns of the smooth curve, one for `_ROWS` rows
-_ROWS = 6
+_MOST_HYSTERESIS_DEGREE = 4  # degree of the hysteresis in the share of rows below a speed
+_COLUMNS = 4, 30  # fewest and most columns of the smooth curve, one for `_ROWS_A_COLUMN` rows
+_ROWS_A_COLUMN = 6
 _COST = 2.0  # times log(n): the fall of n log(sum of squares) that a term is worth; noise does that once in 300
-_ROUNDING = 1e-9  # of the largest mu: smaller differences are no terms
+_LEAST_DIFFERENCE = 1e-9  # of the largest mu: smaller differences are no terms
 _SINGULAR = 1e-10  # relative size of a curve between knots where no speed lies
 _ALONE = 0.05  # share of the rows, of which less does not matter
-_APART = 1e-2  # least part of a term that no smooth curve of the speed is, for it to be told apart
+_LEAST_SHARE_OF_TERM = 1e-2  # least part of a term that no smooth curve of the speed is, for it to be told apart
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +112,7 @@ def sweep_branches_of(
         columns += hysteresis
     none = SweepBranches(rising, falling, sweep, np.zeros((len(v), 0)), np.zeros(len(v)))
     smooth = weights[:, None] * splines(v).toarray()
-    if not columns or len(v) < smooth.shape[1] + len(columns) + _FEWEST:
+    if not columns or len(v) < smooth.shape[1] + len(columns) + _FEWEST_SPEEDS_OF_BRANCH:
         return none if rising else None
     columns_of_curve, triangle = np.linalg.qr(smooth)
     rotation, sizes, _ = np.linalg.svd(triangle)
@@ -125,13 +125,13 @@ def sweep_branches_of(
     terms = weights[:, None] * np.array(columns).T
     left = beside(terms)
     y = beside(weights * mu)
-    apart = np.linalg.norm(left, axis=0) > _APART * np.linalg.norm(terms, axis=0)
+    apart = np.linalg.norm(left, axis=0) > _LEAST_SHARE_OF_TERM * np.linalg.norm(terms, axis=0)
     n, best, chosen = len(v) - curve.shape[1], math.inf, list[int]()
     if not apart.any():
         return none if rising else None
     all_terms = np.flatnonzero(apart)
     rest = y - left[:, all_terms] @ np.linalg.lstsq(left[:, all_terms], y, rcond=None)[0]
-    floor = n * (_ROUNDING * float(np.max(np.abs(weights * mu)))) ** 2
+    floor = n * (_LEAST_DIFFERENCE * float(np.max(np.abs(weights * mu)))) ** 2
     alike = 1.0  # so many rows count as one
     if rest @ rest > floor:
         alike, _, _ = correlation_of(rest[in_turn], 0)
@@ -178,7 +178,7 @@ def _sweeps(v: FloatArray) -> tuple[IntArray, int, int]:
     apart = _sums(v, ends[1:] - halves, ends[1:]) - _sums(v, ends[:-1], ends[:-1] + halves)
     ways = np.where(apart >= 0, 1, -1)
     run = np.repeat(np.arange(len(lengths)), lengths)
-    swept = _different(v, run, len(lengths)) >= _FEWEST
+    swept = _different(v, run, len(lengths)) >= _FEWEST_SPEEDS_OF_BRANCH
     rising, falling = (int((swept & (ways == way)).sum()) for way in (1, -1))
     if not (rising and falling) or lengths[swept].sum() < _IN_ORDER * len(v):
         return np.zeros(len(v), dtype=np.int64), 0, 0
@@ -201,11 +201,13 @@ def _different(v: FloatArray, run: IntArray, count: int) -> IntArray:
 
 def _is_shuffled(v: FloatArray) -> bool:
     """Return whether many rows are in random order, as stretches of them tell: most branches have too few rows."""
-    if len(v) <= _MANY:
+    if len(v) <= _ROWS_TO_SAMPLE:
         return False
     stretches = np.linspace(0, len(v) - _STRETCH, _STRETCHES).astype(int)
     turns = sum(len(_turns(v[first : first + _STRETCH], float(np.ptp(v)))) for first in stretches)
-    most = 1 / _FEWEST + 1 - _IN_ORDER  # branches for a row, if enough rows are on branches of enough rows
+    most = (
+        1 / _FEWEST_SPEEDS_OF_BRANCH + 1 - _IN_ORDER
+    )  # branches for a row, if enough rows are on branches of enough rows
     return turns > most * _STRETCH * _STRETCHES
 
 
@@ -214,7 +216,7 @@ def _turns(v: FloatArray, span: float | None = None) -> list[int]:
 
     Rows in which nothing can turn are passed by as a whole: those whose range, and what stands out, is too small.
     """
-    least = _TURN * (float(np.ptp(v)) if span is None else span)
+    least = _SHARE_OF_TURN * (float(np.ptp(v)) if span is None else span)
     turns = list[int]()
     way, low, high = 0, 0, 0
     for first in range(0, len(v), _PASSED):
@@ -254,7 +256,7 @@ def _turns(v: FloatArray, span: float | None = None) -> list[int]:
 
 def _knots(v: FloatArray) -> FloatArray:
     """Return speeds with as many rows between any two."""
-    return np.unique(np.quantile(v, np.linspace(0, 1, int(np.clip(len(v) // _ROWS, *_COLUMNS)) - 2)))
+    return np.unique(np.quantile(v, np.linspace(0, 1, int(np.clip(len(v) // _ROWS_A_COLUMN, *_COLUMNS)) - 2)))
 
 
 def splines(v: FloatArray) -> "csr_array":
@@ -273,12 +275,12 @@ def _branch_terms(v: FloatArray, sweep: IntArray) -> list[FloatArray]:
     up, down = v[sweep > 0], v[sweep < 0]
     low, high = _shared_speeds(v, sweep)
     shared = [int(((speeds >= low) & (speeds <= high)).sum()) for speeds in (up, down)]
-    if low >= high or min(shared) < _FEWEST:
+    if low >= high or min(shared) < _FEWEST_SPEEDS_OF_BRANCH:
         return []
     knots = _knots(v)  # the polynomials are as fine as the rows are dense
     share = np.interp(np.clip(v, low, high), knots, np.linspace(0, 1, len(knots)))
     x = 2 * (share - share[0]) / (share[-1] - share[0]) - 1
-    return list(np.polynomial.legendre.legvander(x, _HIGHEST).T * sweep / 2)
+    return list(np.polynomial.legendre.legvander(x, _MOST_HYSTERESIS_DEGREE).T * sweep / 2)
 
 
 def _shared_speeds(v: FloatArray, sweep: IntArray) -> tuple[float, float]:

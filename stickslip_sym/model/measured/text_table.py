@@ -32,9 +32,9 @@ SEPARATORS = "\t;|, "
 _PARTED = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks"}
 MOST_ROWS = 1_000_000  # of a file; a longer one is refused before its numbers are read
 _PRECISION = 40  # digits in which units are converted, beyond those of a double
-_LARGEST = 200 * MOST_ROWS  # bytes of a file: those of a row with a dozen columns
-_LONGEST = 10_000  # characters of a line
-_LONG = 500_000  # bytes of a file that is worth reading as a whole, if its numbers are plain
+_MOST_FILE_BYTES = 200 * MOST_ROWS  # bytes of a file: those of a row with a dozen columns
+_MOST_LINE_CHARACTERS = 10_000  # characters of a line
+_BYTES_WORTH_PLAIN = 500_000  # bytes of a file that is worth reading as a whole, if its numbers are plain
 _HEAD = 50_000  # bytes, in which its header stands
 _LOOKED_AT = 400  # lines, of which most look alike: enough to tell how a file is written
 _COMMENT = re.compile(r"^\s*([#%!]|//)\s*")
@@ -219,9 +219,9 @@ def read_table(
 ) -> Table:
     """Return the columns of a text file that hold measurements, or refuse it with line and column."""
     name = repr(str(path))
-    content = read_bytes(path, _LARGEST)
+    content = read_bytes(path, _MOST_FILE_BYTES)
     how = _How(chosen, radius, None, leave_out)
-    if len(content) > _LONG and not block and (plain := _plain_table(content, name, how)) is not None:
+    if len(content) > _BYTES_WORTH_PLAIN and not block and (plain := _plain_table(content, name, how)) is not None:
         return plain
     lines = _filled_lines(_decoded(content, name), name)
     parts = _blocks_of_file(lines, _layout_of_chosen(lines, name) if chosen else _layout(lines, name), name)
@@ -253,7 +253,7 @@ def _filled_lines(text: str, name: str) -> list[_Line]:
     """Return the lines of a text that are not empty."""
     texts = printable(text, lines=True).replace("\N{MINUS SIGN}", "-").splitlines()
     for number, line in enumerate(texts, 1):
-        if len(line) > _LONGEST:
+        if len(line) > _MOST_LINE_CHARACTERS:
             raise InputError(f"{name}, line {number}: it has {len(line)} characters; a row is a line of its own")
     return [
         _Line(number, _COMMENT.sub("", line, count=1), _COMMENT.match(line) is not None)

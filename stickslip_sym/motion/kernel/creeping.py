@@ -18,7 +18,7 @@ from stickslip_sym.motion.compiled import compilable
 from stickslip_sym.motion.kernel.forces import slope_at, slope_standing, standing
 from stickslip_sym.motion.kernel.slip_data import Branch, Field
 
-_PARTS = 8  # of an interval of the table, on each of which a slope is bounded
+_PARTS_OF_INTERVAL = 8  # of an interval of the table, on each of which a slope is bounded
 
 
 @compilable
@@ -77,9 +77,9 @@ def slope_bounds(rise: Rise, low: float, high: float) -> tuple[float, float]:
         for k in range(2, 15):
             bend += k * (k - 1) * abs(pieces[i][3 + k]) * power
             power *= reach
-        half = 0.5 * (end - begin) / _PARTS
+        half = 0.5 * (end - begin) / _PARTS_OF_INTERVAL
         off = bend * scale * scale * half
-        for j in range(_PARTS):
+        for j in range(_PARTS_OF_INTERVAL):
             slope = slope_at(Branch(pieces, i, i, i), begin + (2 * j + 1) * half)
             least, most = min(least, slope - off), max(most, slope + off)
     return least, most

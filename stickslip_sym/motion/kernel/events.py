@@ -9,7 +9,8 @@ from stickslip_sym.motion.kernel.steps import stepped
 
 _GUESSES = 20  # steps of Newton's method, after which a bracket is halved
 _OFF = 1e-9  # of tau, over which a straight line is off by less than rounding
-_CLOSE = 0.1  # of a step, times rtol^(1/3), over which a power series of three terms is off by a part of rtol
+_SHARE_OF_SERIES_STEP = 0.1
+"""Of a step, times rtol^(1/3), over which a power series of three terms is off by a part of rtol."""
 
 
 @inlined
@@ -61,7 +62,7 @@ def _located(
     if by * by_end > 0.0:
         length *= part * (3.0 - 2.0 * part)
         length += (end - begin) * part * (1.0 - part) * ((1.0 - part) / by - part / by_end)
-    low, high, close = 0.0, h, _CLOSE * h * rtol ** (1.0 / 3.0)
+    low, high, close = 0.0, h, _SHARE_OF_SERIES_STEP * h * rtol ** (1.0 / 3.0)
     guesses = 0
     while True:
         guesses += 1

@@ -39,11 +39,11 @@ _PAST = 2.0  # times the way to the end of a segment: its polynomials are of no 
 _STIFF = 10.0  # a decay of w, per unit of time, below which explicit steps are cheap enough
 _STABLE = 2.5  # decay times a step, from which stability holds it short: the explicit method bears about 6
 _LOOK = 100  # steps between two looks at the time limit
-_PATIENCE = 15  # steps held short by stability before the method changes
+_STEPS_HELD_SHORT = 15  # steps held short by stability before the method changes
 _NO_ERROR = 1e-7  # of the tolerance, that may be nothing but rounding
 _SHORTEST = 1e-14  # length of a step, over max(tau, 1), that is not made shorter
 _REST_WITHIN = 10  # times the tolerance: nearer to rest the errors of steps do not let the mass come
-_BESIDE = 1e-6  # of w = 1, from where it is asked whether a mass is at rest
+_REST_WIDTH = 1e-6  # of w = 1, from where it is asked whether a mass is at rest
 _CREEP = 2.0  # decay of w from which a deviation from rest has real exponents
 
 
@@ -66,7 +66,7 @@ def follow(
     branch = entered(rise, segment, True, state.w)
     pace = _first_pace(field, state, rtol)
     at_kink = not rising and segment > 0 and state.w == rise.levels[segment]  # it leaves downward
-    close = _BESIDE + _REST_WITHIN * rtol
+    close = _REST_WIDTH + _REST_WITHIN * rtol
     end = SlipEnd.OPEN
     while end == SlipEnd.OPEN:
         if at_kink:
@@ -197,7 +197,7 @@ def _advance(
             implicit, held, length = False, 0, rtol**0.125 / max(1.0, abs(state.rate))
         elif not implicit:
             held = held + 1 if decay > _STIFF and decay * tried > _STABLE else 0
-            implicit = held >= _PATIENCE
+            implicit = held >= _STEPS_HELD_SHORT
     h = min(length, longest)
     if not implicit:
         h = min(h, _longest(rtol))
@@ -311,7 +311,7 @@ def _is_beside_rest(rise: Rise, field: Field, state: SlipState, rising: bool, rt
     """
     eta, push, side, damping = field
     q, w, pieces = state.q, state.w, rise.pieces
-    if side < 0.0 or rise.levels[-1] <= 1.0 + _BESIDE:
+    if side < 0.0 or rise.levels[-1] <= 1.0 + _REST_WIDTH:
         return SlipEnd.OPEN
     above, below = eta * standing(pieces, True), eta * standing(pieces, False)
     faster = eta * slope_standing(pieces, True) + damping

@@ -7,8 +7,8 @@ from stickslip_sym.model.table import Pieces, Rise
 from stickslip_sym.motion.compiled import compilable, inlined
 from stickslip_sym.motion.kernel.slip_data import ULP, Branch, Field, Wedge
 
-_BEYOND = 4.0  # half-widths of an interval from its middle, up to which a polynomial is continued
-_BEYOND_SQUARED = _BEYOND * _BEYOND
+_CONTINUED_HALF_WIDTHS = 4.0  # half-widths of an interval from its middle, up to which a polynomial is continued
+_BEYOND_SQUARED = _CONTINUED_HALF_WIDTHS * _CONTINUED_HALF_WIDTHS
 
 
 @compilable
@@ -46,7 +46,7 @@ def rate_at(branch: Branch, field: Field, q: float, w: float) -> float:
     t = (w - c[1]) * c[2]
     t2 = t * t
     if t2 > _BEYOND_SQUARED:
-        t = math.copysign(_BEYOND, t)
+        t = math.copysign(_CONTINUED_HALF_WIDTHS, t)
         t2 = t * t
     t4 = t2 * t2
     # Estrin's scheme: its products do not wait for one another, as those of Horner's do.
@@ -89,7 +89,7 @@ def slope_at(branch: Branch, w: float) -> float:
     pieces, first, last, near = branch
     c = pieces[interval_number(pieces, first, last, near, w)]
     t = (w - c[1]) * c[2]
-    if abs(t) > _BEYOND:
+    if abs(t) > _CONTINUED_HALF_WIDTHS:
         return 0.0
     slope = (((14.0 * c[17] * t + 13.0 * c[16]) * t + 12.0 * c[15]) * t + 11.0 * c[14]) * t + 10.0 * c[13]
     slope = (((slope * t + 9.0 * c[12]) * t + 8.0 * c[11]) * t + 7.0 * c[10]) * t + 6.0 * c[9]

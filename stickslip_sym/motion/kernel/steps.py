@@ -9,7 +9,7 @@ from stickslip_sym.motion.kernel.forces import rate_at, rise_at, slope_at, wedge
 from stickslip_sym.motion.kernel.slip_data import ULP, Branch, Field, SlipState, Trial, Wedge
 
 _SMALL = 0.01  # states below count as that large in an error: less than order 1, since events are where w is 0
-_ROWS = 8  # of the extrapolation
+_EXTRAPOLATION_ROWS = 8  # of the extrapolation
 AMPLIFIED = 4e3  # their rounding errors by it, the sum of its weights
 _A: tuple[tuple[float, ...], ...] = tuple(map(tuple, DOP853.A.tolist()))
 _B, _E, _F = (tuple(row[:12].tolist()) for row in (DOP853.B, DOP853.E5, DOP853.E3))
@@ -111,13 +111,13 @@ def _implicit(branch: Branch, field: Field, state: SlipState, h: float, rtol: fl
     eta, push, side, damping = field
     q, w = state.q, state.w
     decay = eta * slope_at(branch, w) + damping
-    of_q, of_w, of_D = [0.0] * _ROWS, [0.0] * _ROWS, [0.0] * _ROWS
+    of_q, of_w, of_D = [0.0] * _EXTRAPOLATION_ROWS, [0.0] * _EXTRAPOLATION_ROWS, [0.0] * _EXTRAPOLATION_ROWS
     error = 0.0
     # No step is more accurate than the rounding of w', which the decay divides and the extrapolation multiplies.
     rounding = AMPLIFIED * ULP
     terms = max(max(abs(push), abs(eta * rise_at(branch, w))), max(abs(q), abs(damping * w)))
     least_q, least_w = rounding * abs(q), rounding * (terms / max(abs(decay), 1.0) + abs(w))
-    for row in range(_ROWS):
+    for row in range(_EXTRAPOLATION_ROWS):
         s = h / (row + 1)
         # (1 - s J) (dq, dw) = s (q', w') with J = ((0, -side), (side, -decay))
         determinant = 1.0 + s * decay + s * s

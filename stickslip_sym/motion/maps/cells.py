@@ -42,9 +42,10 @@ CURVES = ("equilibrium", "least_squares", "exact")
 """The thresholds of an operating point."""
 
 
-_ROUGH = 1e-7  # tolerance of the steps along which rounds are resolved; what they leave open is followed
+_ROUNDS_RTOL = 1e-7  # tolerance of the steps along which rounds are resolved; what they leave open is followed
 _CONFIRMED = 100  # cells, of which one is decided by following motions too
-_CLOSE = 1e-9  # relative error of the damping ratio that is critical for P: a tenth of the finest `rtol`
+_CRITICAL_RATIO_RTOL = 1e-9
+"""Relative error of the damping ratio that is critical for P: a tenth of the finest `rtol`."""
 _INWARD = 3  # rounds that many cells are followed for, from where cycles that overtake may be, on the way in
 
 
@@ -143,7 +144,7 @@ class _Decider:
         eta, oscillator = np.unique(self.eta, return_inverse=True)
         orbits = eta, eta * (self.table.static - self.table.onset), np.ones(eta.size)
         rows = np.empty((eta.size, 5))
-        self.system.spread(search_damping_ratios, orbits, (_CLOSE,), rows, few=0)
+        self.system.spread(search_damping_ratios, orbits, (_CRITICAL_RATIO_RTOL,), rows, few=0)
         check_time()
         end, *ratios = rows[oscillator, :3].T
         self.exact, self.error = np.where(end == SearchEnd.CLOSED, ratios, math.nan)
@@ -247,7 +248,7 @@ class _Decider:
             q[inward] = np.where(ends.high < q[inward], ends.high, math.inf)
         for i in np.flatnonzero(sought & (q > 0)).tolist():
             check_time()
-            outer = rounds_outside(replace(self.system, eta=self.eta[i], zeta=self.zeta[i]), _ROUGH)
+            outer = rounds_outside(replace(self.system, eta=self.eta[i], zeta=self.zeta[i]), _ROUNDS_RTOL)
             stable[i] |= -2 in np.diff(outer.growth)
             known[i] = "open" not in [mark.kind for mark in outer.marks]
 

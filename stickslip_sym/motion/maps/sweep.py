@@ -46,11 +46,11 @@ from stickslip_sym.output.data import DataResult
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_CLOSE = 1e-9  # relative error that is asked for of a graze and a fold
-_RTOL = 1e-8  # of an extremum of the needed damping, that polynomials over the quantity leave out
-_FARTHEST = 1e300  # extrema beyond are infinite
-_MOST_VALUES = 1000  # of the quantity, at which the needed damping is resolved
-_NARROWEST = 1e-4  # of the range of the quantity: extrema come and go within
+_GRAZE_RTOL = 1e-9  # relative error that is asked for of a graze and a fold
+_EXTREMUM_RTOL = 1e-8  # of an extremum of the needed damping, that polynomials over the quantity leave out
+_INFINITE_EXTREMUM = 1e300  # extrema beyond are infinite
+_MOST_QUANTITY_VALUES = 1000  # of the quantity, at which the needed damping is resolved
+_LEAST_SHARE_OF_RANGE = 1e-4  # of the range of the quantity: extrema come and go within
 
 
 @dataclass(frozen=True)
@@ -195,7 +195,9 @@ def _critical(law: FrictionLaw, osc: Oscillator, axis: Axis) -> list[Change]:
         del kinds["Hopf"]
     changes = []
     for kind, method in kinds.items():
-        for root in critical(law, axis.name, **others, method=method, rtol=_CLOSE, within=(grid[0], grid[-1])):
+        for root in critical(
+            law, axis.name, **others, method=method, rtol=_GRAZE_RTOL, within=(grid[0], grid[-1])
+        ):
             error = ROUNDING * abs(root.sensitivity.get("c", 1.0) * others.get("c", root.value))
             # Hopf points are averages, exactly.
             own = (root.relative_error or 0.0) if kind == "graze" else ROUNDING
@@ -228,7 +230,12 @@ def _folds(
         unit = osc.impedance
         return [Turn(turn.x, turn.value * unit - osc.c, turn.error * unit) for turn in need.turns * known]
 
-    folds, unresolved, left, ranges = list[Change](), list[tuple[float, float]](), _MOST_VALUES, [(low, high)]
+    folds, unresolved, left, ranges = (
+        list[Change](),
+        list[tuple[float, float]](),
+        _MOST_QUANTITY_VALUES,
+        [(low, high)],
+    )
     while ranges:
         first, last = ranges.pop()
         left -= NODES
@@ -237,7 +244,7 @@ def _folds(
         if (branches := _branches(first, last, rows)) is not None:
             folds += [fold for piece in branches for fold in _crossings(piece)]
         elif not all(rows) or not _passed_by(rows):
-            if any(rows) and last - first > _NARROWEST * (high - low):
+            if any(rows) and last - first > _LEAST_SHARE_OF_RANGE * (high - low):
                 middle = (first + last) / 2
                 ranges += [(middle, last), (first, middle)]
             else:
@@ -253,7 +260,7 @@ def _branches(low: float, high: float, rows: list[list[Turn]]) -> list[Piece] | 
     pieces = list[Piece]()
     for branch in zip(*(turns[1:-1] for turns in rows), strict=True):
         values, errors = (np.array(column) for column in list(zip(*branch, strict=True))[1:])
-        decision = fit_polynomial(low, high, Column.of(values, errors, NO_VALUE), _RTOL)
+        decision = fit_polynomial(low, high, Column.of(values, errors, NO_VALUE), _EXTREMUM_RTOL)
         if not isinstance(decision, Accept):
             return None
         pieces.append(decision.payload)
@@ -262,7 +269,10 @@ def _branches(low: float, high: float, rows: list[list[Turn]]) -> list[Piece] | 
 
 def _passed_by(rows: list[list[Turn]]) -> bool:
     """Whether all extrema are farther from the damping there is than they move, those that come or go too."""
-    moved, values = 0.0, [np.clip([turn.value for turn in turns], -_FARTHEST, _FARTHEST) for turns in rows]
+    moved, values = (
+        0.0,
+        [np.clip([turn.value for turn in turns], -_INFINITE_EXTREMUM, _INFINITE_EXTREMUM) for turns in rows],
+    )
     for before, following in pairwise(values):
         apart = np.abs(before[:, None] - following)
         moved += max(apart.min(axis=0).max(), apart.min(axis=1).max())
@@ -273,7 +283,7 @@ def _crossings(piece: Piece) -> list[Change]:
     """Return where an extremum is the damping there is."""
     step = math.sqrt(ROUNDING) * (piece.high - piece.low)
     folds = list[Change]()
-    for root in Resolved((piece,), (), _RTOL).roots():
+    for root in Resolved((piece,), (), _EXTREMUM_RTOL).roots():
         slope = (piece.at(root.x + step) - piece.at(root.x - step)) / (2 * step)
         folds.append(Change("fold", root.x, piece.error / abs(slope) if slope else piece.high - piece.low))
     return folds

@@ -57,23 +57,24 @@ _DECADES_EACH = 3  # of belt speeds, that a polynomial spans at first
 _WEAKEST = 1e-8  # N <|mu'|>/sqrt(k m), or static excess over V sqrt(k m), from which N, m and k are sought
 _STRONGEST = 10.0, 1e3  # both, beyond which thresholds take long
 _PIECES = 400  # of the table of a law, whose end no belt speed exceeds: of one that varies for ever
-_LOOKS, _FEW_LOOKS = 200, 9  # belt speeds, and values of a parameter, at which that is asked
-_FEWEST = 3  # of these beside each other, that a range needs
+_BELT_SPEEDS_LOOKED_AT, _FEW_LOOKS = 200, 9  # belt speeds, and values of a parameter, at which that is asked
+_FEWEST_IN_RANGE = 3  # of these beside each other, that a range needs
 _AROUND = 100.0  # factor above and below a parameter's value within which it is sought
 _WITHIN = Argument("within", ("low", "high"))
-_FEW = 60  # thresholds by slips, up to which compiled code is not worth loading,
+_FEW_THRESHOLDS = 60  # thresholds by slips, up to which compiled code is not worth loading,
 _STIFFER = 8  # and as how many of them one counts where friction is strong
-_CLOSE = 1e-8  # relative error of thresholds, and of polynomials through them
-_DIGITS = 12  # of N/(V sqrt(k m)), by which one value is known from others
+_THRESHOLD_RTOL = 1e-8  # relative error of thresholds, and of polynomials through them
+_DIGITS_OF_KEY = 12  # of N/(V sqrt(k m)), by which one value is known from others
 _DISTANT = 1e-3  # of its distance from c, error of a threshold that suffices,
-_ROUGH = 1e-3  # or of itself
-_MOST, _MOST_AVERAGES = 400, 4000  # values that may be computed
+_ROUGH_RTOL = 1e-3  # or of itself
+_MOST_THRESHOLDS, _MOST_AVERAGES = 400, 4000  # values that may be computed
 _EDGE = 3e-3  # relative distance within which it is said where thresholds end
 _NONE = Unknown("there is no threshold")
-_WIDER = 8.0  # times, by which the bracket about a root grows
-_FINER = 1e-3  # of rtol, the relative error of a threshold at a root
-_NEAR = 1e-2  # of the distance to where a threshold turns, a step of Newton's method that is a small one
-_BESIDE = 10.0  # errors of a value, on either side of which the slip from P has different fates
+_BRACKET_RATIO = 8.0  # times, by which the bracket about a root grows
+_ROOT_RTOL_RATIO = 1e-3  # of rtol, the relative error of a threshold at a root
+_SMALL_NEWTON_STEP = 1e-2
+"""Of the distance to where a threshold turns, a step of Newton's method that is a small one."""
+_ERRORS_TO_CONFIRM = 10.0  # errors of a value, on either side of which the slip from P has different fates
 _MEETS = 1e-13  # relative, of the argument at which the orbit that grazes comes to a slip speed
 _FLAT = math.sqrt(SIGNS)  # relative, whose square is nothing: distance of an extremum or an edge, step of Newton's
 
@@ -465,7 +466,7 @@ class _Search:
                 return value, SAME * points.slope_scale
             value, error = none.copy(), np.full(len(points), np.inf)
             if sketch and len(points) > 1 and points.obstacle is None:
-                computed, _ = evaluate(points, methods()["second_order"], _CLOSE)
+                computed, _ = evaluate(points, methods()["second_order"], _THRESHOLD_RTOL)
                 value, error = computed.value, computed.relative_error * points.error_base(computed.value)
             far = ~(error <= (_DISTANT * np.abs(value - self.c) if sketch else 0.0))
             rows = np.flatnonzero(far).tolist()
@@ -483,15 +484,15 @@ class _Search:
         system = NondimensionalOscillator.of(points.bound, points.oscillator(row))
         unit = 2 * float(points.impedance[row])
         self.work += _STIFFER if abs(system.eta) > STRONG else 1
-        fast = self.work + count > _FEW
+        fast = self.work + count > _FEW_THRESHOLDS
         if sketch:
-            alike = replace(system, eta=float(f"{system.eta:.{_DIGITS}g}"))
+            alike = replace(system, eta=float(f"{system.eta:.{_DIGITS_OF_KEY}g}"))
             ratio = attempted(_rough_ratio, alike, fast)
             if isinstance(ratio, Unknown):
                 return math.nan, math.nan
             zeta, error = ratio
         else:
-            zeta, error = orbit_damping_ratio(system, rtol=_CLOSE, fast=fast)
+            zeta, error = orbit_damping_ratio(system, rtol=_THRESHOLD_RTOL, fast=fast)
         return zeta * unit, error * unit
 
     # -- where to look -----------------------------------------------------------------------------
@@ -511,10 +512,10 @@ class _Search:
             table = self.law.bound.table
             end = table.reach if len(table.pieces) <= _PIECES else float(table.pieces[_PIECES, 0])
             high = min(_WHOLE[1], end / 2)  # slip reaches 2 V, and more
-            speeds = np.geomspace(_WHOLE[0], high, _LOOKS)
+            speeds = np.geomspace(_WHOLE[0], high, _BELT_SPEEDS_LOOKED_AT)
             strong = np.flatnonzero(np.r_[True, self._strong(speeds), True])
             first = int(np.diff(strong).argmax())  # of the widest range in which friction is nowhere too strong
-            if strong[first + 1] - strong[first] < _FEWEST:
+            if strong[first + 1] - strong[first] < _FEWEST_IN_RANGE:
                 raise NotConverged(f"friction is too strong at every {self.of}; give ", _WITHIN)
             return _spaced(float(speeds[strong[first]]), float(speeds[strong[first + 1] - 2]))
         unit = self.at(1.0)
@@ -566,9 +567,9 @@ class _Search:
         if not stretches:
             raise NotConverged(f"there is no threshold at any {self.of}; try another method")
         most, first = (
-            (_MOST, sketch) if self.converges else (_MOST_AVERAGES, value)
+            (_MOST_THRESHOLDS, sketch) if self.converges else (_MOST_AVERAGES, value)
         )  # averages have no digits to save
-        resolved = [resolve(value, part, rtol=_CLOSE, most=most, sketch=first) for part in stretches]
+        resolved = [resolve(value, part, rtol=_THRESHOLD_RTOL, most=most, sketch=first) for part in stretches]
         if self.sampled:
             values, errors = np.array(list(self.sampled.values())).T
             if (np.abs(values - self.c) <= errors).all():
@@ -604,7 +605,7 @@ class _Search:
             result = self._result(x, width)
             if abs(result.value - x) >= width:
                 return None
-            beside = _BESIDE * (result.relative_error or 0.0) * abs(result.value)
+            beside = _ERRORS_TO_CONFIRM * (result.relative_error or 0.0) * abs(result.value)
             beside = min(max(beside, _FLAT * abs(result.value)), width)
             fates = [excess(self.at(result.value + side * beside), self.c, self.method) for side in (-1, 1)]
         except NO_RESULT:
@@ -659,7 +660,7 @@ class _Search:
         if not self.converges:
             return 2 * float(points.V[0])
         system = NondimensionalOscillator.of(points.bound, points.oscillator(0))
-        zeta, _ = orbit_damping_ratio(system, rtol=_CLOSE, fast=self.work > _FEW)
+        zeta, _ = orbit_damping_ratio(system, rtol=_THRESHOLD_RTOL, fast=self.work > _FEW_THRESHOLDS)
         slip = replace(system, zeta=zeta).slip(0.0, 0.0, until=SlipEnd.MAXIMUM, rtol=TIGHT)
         return system.V * slip.w if slip.end is SlipEnd.MAXIMUM else math.inf
 
@@ -721,11 +722,11 @@ class _Search:
 
         - `width`: how far it is to where the threshold turns.
         """
-        for rtol in (_FINER * self.rtol, TIGHT, TIGHT):
+        for rtol in (_ROOT_RTOL_RATIO * self.rtol, TIGHT, TIGHT):
             result = self._newton(x, max(rtol, TIGHT), width)
             moved = abs(result.value - x) / (min(width, abs(x)) or abs(x))  # and the sensitivities are those at x
             x, error = result.value, result.relative_error or 0.0  # None of what is defined, not approximated
-            if max(error, _NEAR * moved) <= _FINER * self.rtol:
+            if max(error, _SMALL_NEWTON_STEP * moved) <= _ROOT_RTOL_RATIO * self.rtol:
                 return result
         if error <= self.rtol:
             return result
@@ -748,7 +749,7 @@ class _Search:
             sensitivity = {name: float(np.divide(-change, own)) for name, change in by.items()}
         step = -sensitivity["c"] * (value - self.c)
         # Where it turns at a distance d, a smooth threshold has the curvature 1/d over its slope.
-        near = abs(step) < max(_FLAT * abs(x), _NEAR * width)
+        near = abs(step) < max(_FLAT * abs(x), _SMALL_NEWTON_STEP * width)
         error = None
         if self.criterion is None:
             off = float((computed.relative_error * points.error_base(computed.value))[0])
@@ -781,7 +782,7 @@ class _Search:
 @lru_cache(maxsize=256)  # m and k are one search: the ratio depends on them by their product
 def _rough_ratio(system: NondimensionalOscillator, fast: bool) -> tuple[float, float]:
     """Return the damping ratio that the slip from P needs, and its error, for a sketch."""
-    return orbit_damping_ratio(system, rtol=_ROUGH, fast=fast)
+    return orbit_damping_ratio(system, rtol=_ROUGH_RTOL, fast=fast)
 
 
 def _polished(function: Callable[[float], float], root: Root) -> float | None:
@@ -797,7 +798,7 @@ def _polished(function: Callable[[float], float], root: Root) -> float | None:
             return float(brentq(function, low, high, xtol=tolerance))
         if (low, high) == (root.low, root.high):
             return None
-        step *= _WIDER
+        step *= _BRACKET_RATIO
 
 
 def _touching(function: Resolved) -> list[tuple[float, float]]:

@@ -18,7 +18,8 @@ from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.output.data import DataResult
 from stickslip_sym.output.shown import Shown
 
-_BESIDE = 1e-7  # distance from an orbit over its amplitude: by its square the mismatch changes beside a fold
+_RELATIVE_FOLD_DISTANCE = 1e-7
+"""Distance from an orbit over its amplitude: by its square the mismatch changes beside a fold."""
 _STRONGEST = 1e-300  # contraction in a round, or backward, that is distinguished from 0
 
 
@@ -116,7 +117,7 @@ def _cycle(need: NeededDamping, osc: Oscillator, A: float, stable: bool) -> Limi
     if abs(need.mismatch(A, 2 * osc.zeta)) > PARTED:
         # The orbit touches a speed where mu jumps, and d steps past the damping that there is. Where it rises
         # those inside shrink, and the jump throws those outside on; where it falls both come to slide along it.
-        factor = 0.0 if need.mismatch(A * (1 - _BESIDE), 2 * osc.zeta) > 0 else math.inf
+        factor = 0.0 if need.mismatch(A * (1 - _RELATIVE_FOLD_DISTANCE), 2 * osc.zeta) > 0 else math.inf
     return replace(LimitCycle.of(osc, A, ahead.tau + back.tau, factor), stable=stable)
 
 

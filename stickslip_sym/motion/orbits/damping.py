@@ -41,20 +41,23 @@ from stickslip_sym.numerics.resolved import Resolved, Turn, resolve
 
 NEAREST = 1e-3
 """Lowest amplitude over the belt's speed that is looked at; a smaller cycle shows by the growth at rest."""
-_RTOL = 1e-9  # of d, that its polynomials may leave out
-_MOST = 2000  # orbits, to resolve it
+_DAMPING_RTOL = 1e-9  # of d, that its polynomials may leave out
+_MOST_ORBITS = 2000  # orbits, to resolve it
 _OF_ORBITS = 10.0  # times that, relative error of the values through which they go
 _SKETCHED = 1e-5  # of d, instead, where it is compared with dampings that lie far from its extrema
-_FEW = 20  # orbits, up to which plain Python is as fast as loading compiled code
+_FEW_ORBITS = 20  # orbits, up to which plain Python is as fast as loading compiled code
 _NEUTRAL = 3.0  # times the tolerance of steps, the mismatch below which an orbit is periodic within their errors
 _WEAK = 1.0  # eta, below which mismatches are so small that their steps are to be precise
-_BESIDE = 1e-6  # relative, of the amplitude of a cycle by polynomials, within which it lies
-_CLEAR = 10.0  # errors from a damping at which the sign of a polynomial is that of the mismatch
+_RELATIVE_CYCLE_WIDTH = 1e-6  # relative, of the amplitude of a cycle by polynomials, within which it lies
+_ERRORS_OF_CLEAR_SIGN = 10.0  # errors from a damping at which the sign of a polynomial is that of the mismatch
 _NARROW = 64  # times narrower than V is a piece of the table in which mu changes quickly,
 _NARROWER = 0.6  # and than the pieces beside it
-_SAME, _CLOSE = 1e-9, 1e-13  # amplitudes that are one, and the error of one at which d breaks
+_SAME_AMPLITUDE, _BREAK_XTOL = 1e-9, 1e-13  # amplitudes that are one, and the error of one at which d breaks
 _THIN = 1e-3  # over V, width of a layer at rest that polynomials might not see
-_SLIGHT, _LARGE = 0.5, 0.9  # damping ratio that a jump of mu at V may ask for, and amplitude above all such
+_DAMPING_OF_JUMP, _LARGEST_LEAST_AMPLITUDE = (
+    0.5,
+    0.9,
+)  # damping ratio that a jump of mu at V may ask for, and amplitude above all such
 _ROUNDS = 200  # of a motion, to see whether it goes through a range of amplitudes
 
 
@@ -67,7 +70,7 @@ class NeededDamping:
     """
 
     system: NondimensionalOscillator
-    rtol: float = _RTOL
+    rtol: float = _DAMPING_RTOL
 
     def at(self, amplitude: ArrayLike) -> FloatArray:
         """Return d at amplitudes over the belt speed; d(0) is the Hopf bifurcation, d(1) the graze."""
@@ -99,7 +102,7 @@ class NeededDamping:
         jump = max(
             (abs(size) for w, size in zip(levels, jumps, strict=False) if abs(w - 1) <= NEAREST), default=0.0
         )
-        return min(max(NEAREST, self.system.eta * jump / (math.pi * _SLIGHT)), _LARGE)
+        return min(max(NEAREST, self.system.eta * jump / (math.pi * _DAMPING_OF_JUMP)), _LARGEST_LEAST_AMPLITUDE)
 
     @cached_property
     def edges(self) -> list[float]:
@@ -111,12 +114,12 @@ class NeededDamping:
         for w in above:
             if least < w < most:
                 met.append(self._reaching(w * (1 - ROUNDING), self.least))
-                if self._highest(beyond := met[-1] + _SAME) < w * (1 + ROUNDING) < self.system.w_max:
+                if self._highest(beyond := met[-1] + _SAME_AMPLITUDE) < w * (1 + ROUNDING) < self.system.w_max:
                     met.append(self._reaching(w * (1 + ROUNDING), beyond))  # orbits slide there for a while
         # Amplitudes within a layer at rest may be as good as one: d is not resolved there.
-        last = min((A for A in met if 1 - _SAME <= A < 1), default=1.0)
+        last = min((A for A in met if 1 - _SAME_AMPLITUDE <= A < 1), default=1.0)
         inside = sorted(A for A in met if self.least < A < last)
-        edges = [self.least, *(A for A, after in pairwise([*inside, last]) if after - A > _SAME), last]
+        edges = [self.least, *(A for A, after in pairwise([*inside, last]) if after - A > _SAME_AMPLITUDE), last]
         # Both ends of the last range may be singular: the law at rest, too.
         return edges if len(edges) == 2 else [*edges[:-1], (edges[-2] + last) / 2, last]
 
@@ -125,7 +128,7 @@ class NeededDamping:
         """The amplitude up to which orbits stay at speeds at which the law is measured."""
         w_max = self.system.w_max
         return (
-            next((A for A in self.edges if self._highest(A) >= w_max * (1 - _SAME)), 1.0)
+            next((A for A in self.edges if self._highest(A) >= w_max * (1 - _SAME_AMPLITUDE)), 1.0)
             if math.isfinite(w_max)
             else 1.0
         )
@@ -137,7 +140,7 @@ class NeededDamping:
             lambda places: self._values(self.amplitudes(places), self.rtol),
             range(len(self.edges)),
             rtol=self.rtol,
-            most=_MOST,
+            most=_MOST_ORBITS,
         )
 
     def amplitudes(self, places: ArrayLike) -> FloatArray:
@@ -164,12 +167,12 @@ class NeededDamping:
         def off(A: float) -> float:
             return min(self._highest(A), 2 * w) - w
 
-        return float(brentq(off, low, 1.0, xtol=_CLOSE)) if off(low) < 0 < off(1.0) else low
+        return float(brentq(off, low, 1.0, xtol=_BREAK_XTOL)) if off(low) < 0 < off(1.0) else low
 
     def _highest(self, A: float) -> float:
         """Return what the highest slip speed of an orbit is at most, over V: infinite where it is not known."""
         system = self.system
-        damping = self._values(np.array([A]), _RTOL).at(0)
+        damping = self._values(np.array([A]), _DAMPING_RTOL).at(0)
         if isinstance(damping, Unknown) or math.isinf(damping):
             return math.inf
         return velocity_mismatch_at(replace(system, zeta=damping / 2), A, rtol=TIGHT).highest
@@ -196,7 +199,7 @@ class NeededDamping:
             return None
         d, error = 2 * graze[0], 2 * graze[1]
         last = self.resolved.turns[-1]
-        return Turn(1.0, d, error) if abs(d - last.value) > _CLEAR * (error + last.error) else None
+        return Turn(1.0, d, error) if abs(d - last.value) > _ERRORS_OF_CLEAR_SIGN * (error + last.error) else None
 
     def signs(self, dampings: FloatArray, grows_at_rest: BoolArray) -> tuple[BoolArray, BoolArray, BoolArray]:
         """Return at which dampings over sqrt(k m) there is a cycle, at which a stable one, and where that is open.
@@ -217,7 +220,7 @@ class NeededDamping:
     def _side(self, damping: float) -> int:
         """Return 1 where d is shown to lie above a damping, -1 below, else 0."""
         side = self.resolved.side(damping)
-        if self._graze and side * (self._graze.value - damping) <= _CLEAR * self._graze.error:
+        if self._graze and side * (self._graze.value - damping) <= _ERRORS_OF_CLEAR_SIGN * self._graze.error:
             return 0
         return side
 
@@ -227,7 +230,7 @@ class NeededDamping:
         above = np.vstack([grows_at_rest, values > dampings])
         falls = above[:-1] & ~above[1:]
         unknown = [bool(self.resolved.open_at(damping)) for damping in dampings.tolist()]
-        near = np.abs(values - dampings) <= _CLEAR * (errors + ROUNDING * np.abs(dampings))
+        near = np.abs(values - dampings) <= _ERRORS_OF_CLEAR_SIGN * (errors + ROUNDING * np.abs(dampings))
         return (above[:-1] != above[1:]).any(axis=0), falls.any(axis=0), near.any(axis=0) | unknown
 
     def cycles(self, damping: float) -> Iterator[tuple[float, bool]]:
@@ -244,7 +247,7 @@ class NeededDamping:
             if not self._passes(low, high, damping):
                 raise NotConverged(
                     f"the slip orbits with amplitudes from {low * V:.9g} to {high * V:.9g} m/s are not resolved "
-                    f"by {_MOST} orbits: limit cycles there may be missed; try ",
+                    f"by {_MOST_ORBITS} orbits: limit cycles there may be missed; try ",
                     Call("simulate()", "simulate LAW"),
                 )
         roots = {root.low: float(self.amplitudes(root.x)) for root in self.resolved.roots(damping)}
@@ -262,7 +265,7 @@ class NeededDamping:
     def _sign(self, turn: Turn, damping: float) -> float:
         """Return the sign of d - damping at an extremum."""
         off = turn.value - damping
-        if not abs(off) <= _CLEAR * (turn.error + ROUNDING * abs(damping)):
+        if not abs(off) <= _ERRORS_OF_CLEAR_SIGN * (turn.error + ROUNDING * abs(damping)):
             return math.copysign(1.0, off)
         return float(np.sign(self.mismatch(turn.x, damping)))
 
@@ -278,7 +281,10 @@ class NeededDamping:
             return ends[A] if A in ends else min(max(self.mismatch(A, damping), -1.0), 1.0)
 
         if estimate is not None:
-            beside = max(estimate * (1 - _BESIDE), low), min(estimate * (1 + _BESIDE), high)
+            beside = (
+                max(estimate * (1 - _RELATIVE_CYCLE_WIDTH), low),
+                min(estimate * (1 + _RELATIVE_CYCLE_WIDTH), high),
+            )
             signs = np.sign([mismatch(A) for A in beside])
             if not signs.any():
                 return estimate
@@ -307,7 +313,7 @@ def _orbit_dampings(system: NondimensionalOscillator, eta: FloatArray, A: FloatA
     were measured it is the damping at which that begins.
     """
     rows = np.full((A.size, 5), float(SearchEnd.LATE))
-    few = 0 if is_ready(search_damping_ratios) else _FEW
+    few = 0 if is_ready(search_damping_ratios) else _FEW_ORBITS
     system.spread(search_damping_ratios, (eta, np.zeros(A.size), A), (_OF_ORBITS * rtol,), rows, few=few)
     check_time()
     rows[:, 1:] *= 2
@@ -334,7 +340,7 @@ def resolve_together(needs: Sequence[NeededDamping]) -> None:
             A[which == i] = needs[i].amplitudes(places[which == i] - begins[i])
         return _orbit_dampings(system, etas[which], A, rtol)
 
-    whole = resolve(values, range(int(begins[-1]) + 1), rtol=rtol, most=_MOST * len(needs))
+    whole = resolve(values, range(int(begins[-1]) + 1), rtol=rtol, most=_MOST_ORBITS * len(needs))
     for need, (begin, end) in zip(needs, pairwise(begins.tolist()), strict=True):
         vars(need)["resolved"] = whole.between(begin, end)
 
@@ -367,7 +373,7 @@ def needed_damping(law: FrictionLaw, osc: Oscillator, *, sketched: bool = False)
     - `sketched`: whether it is compared only with dampings that lie far from its extrema.
     """
     system = NondimensionalOscillator.of(law.bound, osc)
-    return _needed_damping_at(system.table, system.eta, system.V, _SKETCHED if sketched else _RTOL)
+    return _needed_damping_at(system.table, system.eta, system.V, _SKETCHED if sketched else _DAMPING_RTOL)
 
 
 @lru_cache(maxsize=64)  # cycles at many dampings read one

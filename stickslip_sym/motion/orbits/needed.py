@@ -67,24 +67,25 @@ ROUNDING = 1e-14
 """Relative, of a mismatch, a damping and an amplitude; of the terms of w' over their sum."""
 STRONG = 30.0
 """Eta, from which halves are stiff."""
-_COARSE = 1e-5  # tolerance of steps that show the sign of a mismatch far from 0, the loosest
+_LOOSEST_SIGN_RTOL = 1e-5  # tolerance of steps that show the sign of a mismatch far from 0, the loosest
 _STIFF = 1e-9  # the same where friction is strong
-_ROUGH = 1e-4  # mismatch above which these steps show its sign
+_MISMATCH_OF_SURE_SIGN = 1e-4  # mismatch above which these steps show its sign
 _LOOSEST = 1e-6  # tolerance of steps in a search
-_FINER = 0.01  # times the tolerance, where it did not give the accuracy that is wanted
-_SHARE = 0.03  # of the error of the damping ratio that is wanted, a tolerance; and of that, its relative error
+_TOLERANCE_RATIO = 0.01  # times the tolerance, where it did not give the accuracy that is wanted
+_SHARE_OF_ERROR = 0.03
+"""Of the error of the damping ratio that is wanted, a tolerance; and of that, its relative error."""
 _EVEN_SHARE = 1e-2  # of the relative error that is wanted, at most; all of it where friction is strong
 _LOOSER = 10.0  # times the tolerance, for the estimate of what the integration is off
-_CLOSE = (
-    100.0  # times the tolerance of steps, a mismatch from which a secant leads to its root within their errors
-)
+_SECANT_RANGE = 100.0
+"""Times the tolerance of steps, a mismatch from which a secant leads to its root within their errors."""
 _BENT = 0.01  # of a mismatch, that the last secant may be off
 _SLOW = 0.5  # of the mismatch before, above which the secant does not help
 _FALL = -2 * math.pi  # of the mismatch with zeta, where friction is weak
 _MOST_GAPS = 200  # dampings that are tried
 _PHASES = 64  # of an orbit, for the first guess
 _WILD = 1e12  # change of friction along an orbit, over its own forces, that is no use to follow
-_FARTHEST = 1e6  # damping ratio over 1 + |eta| and over the largest rise of friction, beyond which there is none
+_MOST_DAMPING_RATIO = 1e6
+"""Damping ratio over 1 + |eta| and over the largest rise of friction, beyond which there is none."""
 _UNSURE = 1e-4  # error of a damping ratio over the largest one at work, that is no value
 
 
@@ -252,11 +253,11 @@ def mismatch_of_certain_sign(
     rise: Rise, eta: float, zeta: float, push: float, A: float, rtol: float
 ) -> VelocityMismatch:
     """Return the mismatch by coarse steps where they show its sign, without its derivative."""
-    unwanted, coarse = no_wedge(rise), _COARSE
+    unwanted, coarse = no_wedge(rise), _LOOSEST_SIGN_RTOL
     if abs(eta) > STRONG:
         coarse = _STIFF
     glance = velocity_mismatch(rise, eta, zeta, push, A, coarse, unwanted)
-    if not glance.leaves and _ROUGH < abs(glance.value) < math.inf:
+    if not glance.leaves and _MISMATCH_OF_SURE_SIGN < abs(glance.value) < math.inf:
         return glance
     return velocity_mismatch(rise, eta, zeta, push, A, rtol, unwanted)
 
@@ -267,7 +268,7 @@ def _tolerance(eta: float, zeta: float, rtol: float) -> float:
     most = _EVEN_SHARE
     if abs(eta) > STRONG:
         most = 1.0
-    share = min(_SHARE * abs(zeta), most)
+    share = min(_SHARE_OF_ERROR * abs(zeta), most)
     return min(max(share * rtol, PRECISE), _LOOSEST)
 
 
@@ -282,7 +283,7 @@ def search_damping_ratio(rise: Rise, eta: float, push: float, A: float, rtol: fl
     steps = _tolerance(eta, zeta, rtol)
     need = _searched(rise, eta, push, A, steps, zeta, largest)
     while need.end == SearchEnd.CLOSED and need.error > rtol * abs(need.zeta) and steps > PRECISE:
-        steps = max(_FINER * steps, PRECISE)
+        steps = max(_TOLERANCE_RATIO * steps, PRECISE)
         finer = _searched(rise, eta, push, A, steps, need.zeta, largest)
         if finer.end != SearchEnd.CLOSED or not finer.error < need.error:
             break
@@ -304,7 +305,7 @@ def _searched(
         return OrbitDampingRatio(SearchEnd.OUTSIDE, zeta, math.inf, low, high)
     looser = _search(rise, eta, push, A, _LOOSER * steps, zeta, largest)
     error = abs(looser.zeta - zeta) + (high - low) + _LOOSER * steps / -_FALL
-    error += (PRECISE + _SHARE * steps) * (abs(zeta) + largest)
+    error += (PRECISE + _SHARE_OF_ERROR * steps) * (abs(zeta) + largest)
     if looser.end != SearchEnd.CLOSED or error > _UNSURE * (abs(zeta) + largest):
         return OrbitDampingRatio(SearchEnd.FAILED, zeta, math.inf, low, high)
     return OrbitDampingRatio(SearchEnd.CLOSED, zeta, error, low, high)
@@ -334,9 +335,9 @@ def _search(
             slope = (value - before) / (zeta - last)
         closer, is_slow = zeta - value / slope, abs(value) > _SLOW * abs(before)
         last, before = zeta, value
-        if steps > rtol and not _CLOSE * steps < abs(value) < math.inf:
+        if steps > rtol and not _SECANT_RANGE * steps < abs(value) < math.inf:
             # Its sign is not sure: shorter steps go on from where the secant leads.
-            is_led = steps == loose and abs(value) <= _CLOSE * _LOOSER * loose
+            is_led = steps == loose and abs(value) <= _SECANT_RANGE * _LOOSER * loose
             steps = loose if steps > loose and math.isfinite(value) else rtol
             if low < closer < high:
                 zeta = closer
@@ -348,20 +349,20 @@ def _search(
             low = max(low, zeta)
         else:
             high = min(high, zeta)
-        if steps == rtol and abs(value) <= _CLOSE * rtol:
+        if steps == rtol and abs(value) <= _SECANT_RANGE * rtol:
             off = abs(value)
             if not is_led or off > loose:
                 off = abs(velocity_mismatch(rise, eta, zeta, push, A, loose, no_wedge(rise)).value - value)
             off += rounding + _BENT * abs(value)
             if rtol > PRECISE:
                 off += loose
-            error = off / -slope + (PRECISE + _SHARE * rtol) * (abs(zeta) + largest)
+            error = off / -slope + (PRECISE + _SHARE_OF_ERROR * rtol) * (abs(zeta) + largest)
             if error <= _UNSURE * (abs(zeta) + largest):
                 return OrbitDampingRatio(SearchEnd.CLOSED, closer, error, low, high)
         is_led = False
         if high - low < math.inf and high - low <= ROUNDING * max(abs(low), abs(high)):
             return OrbitDampingRatio(SearchEnd.CLOSED, zeta, math.inf, low, high)
-        if abs(zeta) > _FARTHEST * (1.0 + abs(eta) + largest):
+        if abs(zeta) > _MOST_DAMPING_RATIO * (1.0 + abs(eta) + largest):
             return OrbitDampingRatio(SearchEnd.NEVER, zeta, math.inf, low, high)
         if math.isfinite(value) and low < closer < high and not is_slow:
             zeta = closer

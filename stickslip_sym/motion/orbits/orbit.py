@@ -30,10 +30,10 @@ from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.motion.orbits.expansion import damping_of_layer, fourier_coefficients, values
 
 _GRIDS = (32, 64, 128, 192)  # points a period; finer ones take longer than a simulation
-_MOST_STEPS = 10  # of Newton's method
-_CLOSE = 1e-8  # a step of Newton's method after which the next would be rounding
-_FINER = 8  # times, the grid on which the lowest velocity is sought
-_ROUNDING = 4e-15  # of d, as a part of the largest slope
+_MOST_NEWTON_STEPS = 10  # of Newton's method
+_LAST_NEWTON_STEP = 1e-8  # a step of Newton's method after which the next would be rounding
+_GRID_RATIO = 8  # times, the grid on which the lowest velocity is sought
+_ROUNDING_OF_DAMPING = 4e-15  # of d, as a part of the largest slope
 
 
 @dataclass(frozen=True)
@@ -82,17 +82,17 @@ def orbits(
 def _solved(orbit: "_Orbit", rtol: float, added: Sequence[BoundLaw]) -> list[float]:
     """Solve by Newton's method, on a finer grid whenever that is done; return the row of an orbit."""
     longest, before = math.inf, math.inf
-    for _ in range(_MOST_STEPS):
+    for _ in range(_MOST_NEWTON_STEPS):
         check_time()
         change, g, tail = orbit.improve()
         if not change < longest:
             break
         longest = 1.0  # a step as long as the orbit is high leads nowhere, but for the first
         d, scale = orbit.d, max(float(np.abs(g).max()), abs(orbit.harmonic))
-        error, enough = scale * (tail + _ROUNDING * len(g) / _GRIDS[0]), rtol * abs(d)
-        finest = len(g) == _GRIDS[-1] or tail <= _ROUNDING
+        error, enough = scale * (tail + _ROUNDING_OF_DAMPING * len(g) / _GRIDS[0]), rtol * abs(d)
+        finest = len(g) == _GRIDS[-1] or tail <= _ROUNDING_OF_DAMPING
         gains, before = change < 0.1 * before, change
-        if change > _CLOSE and (finest or error <= enough or (change > tail and gains)):
+        if change > _LAST_NEWTON_STEP and (finest or error <= enough or (change > tail and gains)):
             continue  # until the grid sets the error, which shows in steps that gain less than a digit too
         if finest or error <= enough:
             error += orbit.unseen()
@@ -157,7 +157,7 @@ class _Orbit:
     @property
     def lowest(self) -> float:
         """The lowest velocity, between the points of the grid too: that of a parabola on a finer one."""
-        fine = self.on(_FINER * 2 * len(self.z)).velocity
+        fine = self.on(_GRID_RATIO * 2 * len(self.z)).velocity
         left, middle, right = np.roll(fine, 1 - int(fine.argmin()))[:3]
         bend = left - 2 * middle + right
         return float(middle - (right - left) ** 2 / (8 * bend) if bend > 0 else middle)

@@ -22,7 +22,8 @@ from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.regime import kept_regime
 from stickslip_sym.motion.simulation.simulate import read_initial_conditions
 
-_MANY = 1000  # initial conditions from which on finding separatrices takes less time than following all
+_CONDITIONS_FOR_SEPARATRICES = 1000
+"""Initial conditions from which on finding separatrices takes less time than following all."""
 
 
 @overload
@@ -98,7 +99,7 @@ def classify(
     fates = np.full(x.shape, None, dtype=object)
     with deadline.time_limit(time_limit):
         deadline.check_time()  # what is kept from earlier calls may need no look at the time
-        if x.size >= _MANY:
+        if x.size >= _CONDITIONS_FOR_SEPARATRICES:
             with suppress(StickSlipError):  # where the phase plane is not known, some motions may be decided yet
                 fates = kept_regime(law, osc, rtol).by_side(x, v)
         left = ~fates.astype(bool)

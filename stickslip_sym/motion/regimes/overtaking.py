@@ -38,23 +38,27 @@ from stickslip_sym.numerics.known import Column, Unknown
 from stickslip_sym.numerics.resolved import resolve
 from stickslip_sym.numerics.subdivide import joined
 
-_NEAREST, _BESIDE = 1e-12, 1e-9  # over the reach, and over a displacement: where a round that sticks is sought
-_FARTHEST = 1e6  # displacement up to which cycles are sought where there is no reach
-_MOST = 4000  # rounds whose growth is computed
+_NEAREST_OVER_REACH, _RELATIVE_STICK_WIDTH = (
+    1e-12,
+    1e-9,
+)  # over the reach, and over a displacement: where a round that sticks is sought
+_FARTHEST_DISPLACEMENT = 1e6  # displacement up to which cycles are sought where there is no reach
+_MOST_ROUNDS = 4000  # rounds whose growth is computed
 _INSIDE = 0.9  # of R(0): all rounds grow up to there
-_LOOKS = (
-    24  # displacements, from the nearest to the farthest, at which it is asked whether rounds come in at once:
-)
+_DISPLACEMENTS_LOOKED_AT = 24
+"""Displacements, from the nearest to the farthest, at which it is asked whether rounds come in at once."""
 _DRAWN = 1e3  # to less than a thousandth, so that R is as good as constant there
 _ALIKE = 1e-6  # relative, periods of such a cycle by steps of two tolerances, or it is not known
 _LOST = Unknown("a round takes too many steps")
 
-_DEGREE = 14  # of the polynomials of a law
-_POWERS = np.arange(_DEGREE + 1)
+_LAW_DEGREE = 14  # of the polynomials of a law
+_POWERS = np.arange(_LAW_DEGREE + 1)
 _BINOMIAL = comb(_POWERS[:, None], _POWERS)
-_BERNSTEIN = _BINOMIAL.T / comb(_DEGREE, _POWERS)[:, None]
+_BERNSTEIN = _BINOMIAL.T / comb(_LAW_DEGREE, _POWERS)[:, None]
 """Powers of a place from 0 to 1 in Bernstein's polynomials, between whose coefficients a polynomial lies."""
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(_DEGREE // 2 + 1)  # exact for w times such a polynomial
+_GAUSS_NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(
+    _LAW_DEGREE // 2 + 1
+)  # exact for w times such a polynomial
 
 
 Kind = Literal["cycle", "jump", "open"]
@@ -95,7 +99,7 @@ def _bounded(table: FrictionTable, V: float) -> tuple[FloatArray, FloatArray, Fl
     begin = (low - rows[:, 1:2]) * scale
     shifts = np.tril(begin[:, :, None] ** np.maximum(_POWERS[:, None] - _POWERS, 0)) * _BINOMIAL
     powers = np.einsum("ik,ikj->ij", rows[:, 3:], shifts) * (scale * width) ** _POWERS
-    return edges, low + width * _POWERS / _DEGREE, table.onset + powers @ _BERNSTEIN
+    return edges, low + width * _POWERS / _LAW_DEGREE, table.onset + powers @ _BERNSTEIN
 
 
 def reaches(system: NondimensionalOscillator, eta: FloatArray, zeta: FloatArray) -> FloatArray:
@@ -123,10 +127,10 @@ def reach(system: NondimensionalOscillator) -> float:
     edges, w, mu = _bounded(system.table, system.V)
     a = system.eta * mu + 2 * system.zeta * w
     low, high = a.min(axis=1), a.max(axis=1)
-    nodes, half = (1 + _NODES[:, None]) / 2, np.diff(edges) / 2
+    nodes, half = (1 + _GAUSS_NODES[:, None]) / 2, np.diff(edges) / 2
     basis = _BINOMIAL[-1] * nodes**_POWERS * (1 - nodes) ** _POWERS[::-1]
     speeds = w[:, :1] + 2 * half[:, None] * nodes.T
-    J = np.append(0.0, 2 * np.cumsum(half * ((speeds * (a @ basis.T)) @ _WEIGHTS)))[:-1]
+    J = np.append(0.0, 2 * np.cumsum(half * ((speeds * (a @ basis.T)) @ _GAUSS_WEIGHTS)))[:-1]
     W, U = edges[:-1], edges[:-1] + 1
     largest = np.maximum.accumulate(np.maximum(np.abs(low), np.abs(high)))
     M = largest[np.searchsorted(W, U + 1, side="right") - 1]
@@ -152,7 +156,7 @@ def rounds_outside(system: NondimensionalOscillator, rtol: float) -> Rounds:
         return Rounds((FixedPoint(0.0, math.inf, "open"),), (0, 0))
     if first >= bound:  # as where it moves away for ever
         return Rounds((), (1,))
-    far = min(bound, _FARTHEST * max(1.0, first))
+    far = min(bound, _FARTHEST_DISPLACEMENT * max(1.0, first))
     if system.table.static == 0 and not from_P.slower[0]:
         inner, low = _sink(system, first, far, rtol)
     elif first == 0:
@@ -181,7 +185,7 @@ def _rounds_that_stick(system: NondimensionalOscillator, far: float, rtol: float
     Up to there they shrink. Where static friction holds a mass, faster than the belt, up to one displacement, R
     jumps.
     """
-    inside, low = far * _NEAREST, far
+    inside, low = far * _NEAREST_OVER_REACH, far
     at_inside, at_low = (_end_of_round(system, q, rtol) for q in (inside, low))
     if isinstance(at_low, Unknown) or isinstance(at_inside, Unknown):
         return Rounds((FixedPoint(0.0, far, "open"),), (0, 0)), far
@@ -189,7 +193,7 @@ def _rounds_that_stick(system: NondimensionalOscillator, far: float, rtol: float
         return Rounds((), (-1,)), far
     if at_inside > 0:
         inside, low, at_low = 0.0, inside, at_inside
-    while at_low > inside and low > inside * (1 + _BESIDE) and inside > 0:
+    while at_low > inside and low > inside * (1 + _RELATIVE_STICK_WIDTH) and inside > 0:
         middle = math.sqrt(inside * low)
         R = _end_of_round(system, middle, rtol)
         if isinstance(R, Unknown):
@@ -206,15 +210,15 @@ def _sink(system: NondimensionalOscillator, first: float, far: float, rtol: floa
     So they do where the mass slips so slowly beside the belt's speed that it all but sticks. R never falls: all
     rounds from 0 to a displacement end between R(0) and its own end.
     """
-    q = np.geomspace(max(first, far * _NEAREST), far, _LOOKS)
+    q = np.geomspace(max(first, far * _NEAREST_OVER_REACH), far, _DISPLACEMENTS_LOOKED_AT)
     ends = system.rounds(q, rtol, few=0).ends
     check_time()
     come_in = np.flatnonzero(ends.known & (ends.filled(math.inf) <= q / _DRAWN))
     if not come_in.size:
         return Rounds((), (1,)), _INSIDE * float(q[0])
     last = int(come_in[-1])
-    low, beyond = float(q[last]), float(q[min(last + 1, _LOOKS - 1)])
-    while beyond > low * (1 + _BESIDE):
+    low, beyond = float(q[last]), float(q[min(last + 1, _DISPLACEMENTS_LOOKED_AT - 1)])
+    while beyond > low * (1 + _RELATIVE_STICK_WIDTH):
         middle = math.sqrt(low * beyond)
         R = _end_of_round(system, middle, rtol)
         comes_in = not isinstance(R, Unknown) and middle / _DRAWN >= R
@@ -242,7 +246,7 @@ def _rounds_between(system: NondimensionalOscillator, low: float, far: float, rt
         return Column.of(grown, np.maximum(np.nan_to_num(errors), least), _LOST)
 
     marks, least = list[FixedPoint](), ADDED * rtol
-    growths = resolve(growth, [math.log(low), math.log(far)], rtol=least, most=_MOST)
+    growths = resolve(growth, [math.log(low), math.log(far)], rtol=least, most=_MOST_ROUNDS)
     for begin, end in np.exp(joined(one[:2] for one in growths.open)).tolist():
         R = system.rounds(np.array([begin, end]), rtol, few=0).ends
         passes = R.surely(below=begin)[1] or R.surely(above=end)[0]

@@ -40,8 +40,11 @@ from stickslip_sym.numerics.known import Unknown
 from stickslip_sym.output.data import DataResult
 from stickslip_sym.output.shown import Drawn, views_of
 
-_STEP = 1e-4  # relative, of a displacement by which a round is differentiated
-_SECONDS, _RTOL = 2.0, 1e-8  # of computation, for a curve that is a period of a motion, and its tolerance
+_RELATIVE_STEP = 1e-4  # relative, of a displacement by which a round is differentiated
+_SECONDS_FOR_PERIOD, _PERIOD_RTOL = (
+    2.0,
+    1e-8,
+)  # of computation, for a curve that is a period of a motion, and its tolerance
 
 
 @dataclass(frozen=True)
@@ -202,7 +205,7 @@ class Regime(Drawn, DataResult):
         system, q, slope = self.system, mark.low, -1.0
         if mark.low == mark.high:
             # By differences: where mu falls without bound at rest, as v^0.8, a wedge is lost in a step.
-            beside = q * (1 + _STEP * np.array([-1.0, 0.0, 1.0]))
+            beside = q * (1 + _RELATIVE_STEP * np.array([-1.0, 0.0, 1.0]))
             below, gain, above = (system.rounds(beside, self.rtol).ends.required() - beside).tolist()
             slope = (above - below) / (beside[2] - beside[0])
             q -= gain / slope
@@ -406,7 +409,9 @@ class Regime(Drawn, DataResult):
             begins.append((name, (force - osc.c * orbit.amplitude) / osc.k, orbit.amplitude, orbit.period))
         curves = list[tuple[str, FloatArray, FloatArray]]()
         for name, x0, v0, period in begins:
-            motion = simulate(law, osc, t_end=period, x0=x0, v0=v0, rtol=_RTOL, time_limit=_SECONDS)
+            motion = simulate(
+                law, osc, t_end=period, x0=x0, v0=v0, rtol=_PERIOD_RTOL, time_limit=_SECONDS_FOR_PERIOD
+            )
             deadline.check_time()  # one that was cut short is not kept
             state = motion.at(dense(np.unique(motion.t)))
             curves.append((name, state.x, state.v))

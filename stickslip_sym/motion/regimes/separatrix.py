@@ -16,14 +16,14 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.slip import NondimensionalOscillator, Slip
 from stickslip_sym.output.data import DataResult
 
-_SAMPLES = 257  # of a separatrix, in its public arrays
-_DEGREE = 12  # of the polynomials within a step, whose remainder is below the tolerance of steps of order 8
+_SEPARATRIX_POINTS = 257  # of a separatrix, in its public arrays
+_STEP_DEGREE = 12  # of the polynomials within a step, whose remainder is below the tolerance of steps of order 8
 
 
 def interpolated(back: NondimensionalOscillator, slip: Slip[float], rtol: float) -> tuple[Any, Any]:
     """Return q and w along a recorded slip of a system backward in time, as polynomials in each of its steps."""
     steps = [step for step in slip.steps if step.length > 0]
-    nodes = (1 + chebyshev.chebpts2(_DEGREE + 1)) / 2
+    nodes = (1 + chebyshev.chebpts2(_STEP_DEGREE + 1)) / 2
     tau = np.array([step.tau + step.length * nodes for step in steps]).ravel()
     q, w = back.states(steps, np.repeat(np.arange(len(steps)), nodes.size), tau, 1.0, rtol)
     powers, number = np.vander(nodes), np.arange(len(steps) + 1.0)
@@ -97,7 +97,7 @@ class Separatrix(DataResult):
         ends = np.unique(np.concatenate([self.w.x, *cuts]))
         ends = ends[np.isfinite(ends)]
         middle, half = (ends[1:] + ends[:-1]) / 2, np.diff(ends) / 2
-        nodes, weights = np.polynomial.legendre.leggauss(_DEGREE)  # exact for the product q w' of polynomials
+        nodes, weights = np.polynomial.legendre.leggauss(_STEP_DEGREE)  # exact for the product q w' of polynomials
         places = middle[:, None] + half[:, None] * nodes
         integrand = np.clip(self.q(places), *q) * self.w.derivative()(places)
         centre = self.w(middle)
@@ -116,7 +116,7 @@ class Separatrix(DataResult):
 
     @property
     def _samples(self) -> FloatArray:
-        return np.linspace(0.0, self.w.x[-1], _SAMPLES)
+        return np.linspace(0.0, self.w.x[-1], _SEPARATRIX_POINTS)
 
     def __repr__(self) -> str:
-        return f"Separatrix: {self.kind}, {_SAMPLES} points"
+        return f"Separatrix: {self.kind}, {_SEPARATRIX_POINTS} points"

@@ -18,9 +18,10 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.simulation.trajectory import Outcome, Phase, Stretch, Trajectory
 
-_BESIDE = 1e-9  # of the belt's speed, by which slip begins off it: an event at the start itself ends a run
-_LEAST = 1e-2  # absolute tolerance in units of V and V/omega, over the relative one
-_STEP = 0.1  # of 1/omega, the longest: events are seen where a step has different signs at its ends
+_RELATIVE_START_OFFSET = 1e-9
+"""Of the belt's speed, by which slip begins off it: an event at the start itself ends a run."""
+_ATOL_OVER_RTOL = 1e-2  # absolute tolerance in units of V and V/omega, over the relative one
+_LONGEST_STEP = 0.1  # of 1/omega, the longest: events are seen where a step has different signs at its ends
 
 
 def slip_by_solve_ivp(
@@ -45,11 +46,11 @@ def slip_by_solve_ivp(
         return float(y[1] - osc.V)
 
     at_belt_speed.terminal, at_belt_speed.direction = True, side  # type: ignore[attr-defined]  # SciPy's way
-    v = side * min(side * v, side * osc.V - _BESIDE * osc.V)
-    tight: dict[str, Any] = {"method": "DOP853", "max_step": _STEP / osc.omega}
+    v = side * min(side * v, side * osc.V - _RELATIVE_START_OFFSET * osc.V)
+    tight: dict[str, Any] = {"method": "DOP853", "max_step": _LONGEST_STEP / osc.omega}
     solution = solve_ivp(
         rates, (t, t_end), (x, v), rtol=max(rtol, 1e-13), dense_output=True, events=at_belt_speed,
-        atol=_LEAST * rtol * np.array([osc.V / osc.omega, osc.V]), **tight | options,
+        atol=_ATOL_OVER_RTOL * rtol * np.array([osc.V / osc.omega, osc.V]), **tight | options,
     )  # fmt: skip
     if solution.status < 0:
         raise NotConverged(f"solve_ivp cannot go on beyond t = {solution.t[-1]:.6g} s: {solution.message}")

@@ -27,7 +27,7 @@ from stickslip_sym.motion.simulation.reference import simulate_by_solve_ivp
 from stickslip_sym.motion.simulation.trajectory import Outcome, Phase, Stretch, Trajectories, Trajectory
 from stickslip_sym.motion.slip import NondimensionalOscillator, Slip
 
-_PERIODS = 10  # of free vibration, that a motion is followed for
+_PERIODS_FOLLOWED = 10  # of free vibration, that a motion is followed for
 
 SimulationName: TypeAlias = Literal["events", "solve_ivp"]
 """How a motion is followed."""
@@ -114,7 +114,7 @@ def simulate(
     ('stick-slip', 8)
     """
     law, osc = as_law(law), as_oscillator(osc)
-    t_end = _PERIODS * 2 * math.pi / osc.omega if t_end is None else real("t_end", t_end)
+    t_end = _PERIODS_FOLLOWED * 2 * math.pi / osc.omega if t_end is None else real("t_end", t_end)
     if t_end <= 0:
         raise InputError(f"t_end = {t_end:g} must be positive")
     rtol = read_rtol(rtol)

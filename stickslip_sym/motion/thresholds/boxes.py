@@ -31,8 +31,8 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
 
 _SCALES = tuple(2.0**-i for i in range(-1, 9))  # of the radii that are tried for the polydisc
-_SHARE = 0.25  # of the time rho that a step takes: with it a term gains two bits
-_MOST_STEPS = 20_000
+_SHARE_OF_RADIUS = 0.25  # of the time rho that a step takes: with it a term gains two bits
+_MOST_BOX_STEPS = 20_000
 _FINE = 8  # halvings of a step on which w is highest
 _START_SHARE = 3  # the first step from a point where mu is not analytic is 2^-(bits/3)
 _w = sp.Symbol("w")
@@ -143,7 +143,7 @@ def flow(segment: Segment, q: arb, w: arb, terms: int, *, start: bool = False) -
         polynomials = _taylor_polynomials(segment, q, w, terms, start)
     except (ValueError, ZeroDivisionError) as error:  # a series is divided by one whose first ball holds 0
         raise Undecided(f"the field has no power series around w = {w.str(6)}: {error}") from None
-    time = arb(float(rho) * _SHARE)
+    time = arb(float(rho) * _SHARE_OF_RADIUS)
     ratio = time / rho
     left = arb(0, 1) * ratio**terms / (1 - ratio)
     return Flow(*polynomials, time, arb(radius_q) * left, arb(radius_w) * left)
@@ -254,7 +254,7 @@ class ValidatedIntegrator:
 
     def run(self) -> Transit:
         """Integrate until it is shown that the slip returns, or that it does not."""
-        while self.steps < _MOST_STEPS:
+        while self.steps < _MOST_BOX_STEPS:
             check_time()
             if self.steps and self.number == 0 and (most := self._falls_to_zero()) is not None:
                 return self._result(True, most)
@@ -269,7 +269,7 @@ class ValidatedIntegrator:
             else:
                 if (result := self._follow(step)) is not None:
                     return result
-        raise Undecided(f"after {_MOST_STEPS} steps the slip from P has not turned: it creeps to rest")
+        raise Undecided(f"after {_MOST_BOX_STEPS} steps the slip from P has not turned: it creeps to rest")
 
     def _result(self, returns: bool, lowest: arb, *, turned: bool = False) -> Transit:
         highest = self.reached.union(self.highest)

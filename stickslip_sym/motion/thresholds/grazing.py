@@ -22,13 +22,14 @@ from stickslip_sym.motion.slip import NondimensionalOscillator
 
 _LOOSEST = 1e-9  # relative error that is sought in any case: it costs about twice as much as 1e-3
 _LOOSEST_STRONG = 1e-8  # the same where friction is strong: 1e-9 would often take a second search
-_BEYOND = 1.5  # times the highest slip speed, up to which a derivative of the law is tabulated: steps try further
-_FAR = 10.0  # errors from a threshold at which the fate of the slip from P is asked for
-_CLEAR = 3.0  # times the errors of a slip as a whole, from where its fate is certain
+_TABULATED_OVER_HIGHEST = 1.5
+"""Times the highest slip speed, up to which a derivative of the law is tabulated: steps try further."""
+_ERRORS_TO_CHECK_FATE = 10.0  # errors from a threshold at which the fate of the slip from P is asked for
+_ERRORS_OF_CERTAIN_FATE = 3.0  # times the errors of a slip as a whole, from where its fate is certain
 _OF_SPRING = 0.1  # friction may be far weaker than the spring, whose share of these errors is that
-_MOST_STEPS = 2000  # of such a slip: the search for a threshold takes about as many
+_MOST_FATE_STEPS = 2000  # of such a slip: the search for a threshold takes about as many
 _WEAK = 1e-7  # eta below which the changes of a mismatch may be nothing but rounding
-_SAME = 1e-8  # relative distance of two slip speeds that are one, as the highest and one at which mu jumps
+_SAME_SPEED = 1e-8  # relative distance of two slip speeds that are one, as the highest and one at which mu jumps
 
 
 def grazing_damping(law: BoundLaw, osc: Oscillator, *, rtol: float, fast: bool = False) -> tuple[float, float]:
@@ -50,7 +51,7 @@ def grazing_damping(law: BoundLaw, osc: Oscillator, *, rtol: float, fast: bool =
     zeta, error = orbit_damping_ratio(system, rtol=min(rtol, loosest), fast=fast)
     unit = 2 * osc.impedance
     if not fast:
-        _confirm(system, zeta, _FAR * error)
+        _confirm(system, zeta, _ERRORS_TO_CHECK_FATE * error)
     return zeta * unit, error * unit
 
 
@@ -64,15 +65,15 @@ def _confirm(system: NondimensionalOscillator, zeta: float, off: float) -> None:
     if max(off, largest) == 0.0:  # nothing but the spring acts, and all orbits are closed
         return
     errors = ADDED * (largest + _OF_SPRING)  # of a slip, over the tolerance of its steps
-    off = max(off, _CLEAR * errors * PRECISE)
-    steps = off / (_CLEAR * errors)
+    off = max(off, _ERRORS_OF_CERTAIN_FATE * errors * PRECISE)
+    steps = off / (_ERRORS_OF_CERTAIN_FATE * errors)
     fates = (
         (zeta - off, (SlipEnd.MINIMUM, SlipEnd.REST), "does not return"),
         (zeta + off, (SlipEnd.RETURN,), "returns"),
     )
     for ratio, refuting, does in fates:
         beside = replace(system, zeta=ratio)
-        slip = beside.slip(0.0, 0.0, until=SlipEnd.MINIMUM, level=1.0, rtol=steps, most=_MOST_STEPS)
+        slip = beside.slip(0.0, 0.0, until=SlipEnd.MINIMUM, level=1.0, rtol=steps, most=_MOST_FATE_STEPS)
         check_time()
         if slip.end in refuting:
             raise NotConverged(
@@ -93,7 +94,7 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     rise, eta, V, push = system.rise, system.eta, osc.V, system.push(1)
     damped, wedge = replace(system, zeta=zeta + error), system.difference._replace(linear=-2.0)
     highest = damped.slip(0.0, 0.0, until=SlipEnd.MAXIMUM).w
-    near = [i for i, w in enumerate(rise.levels[:-1]) if rise.jumps[i] and abs(w - highest) <= _SAME * w]
+    near = [i for i, w in enumerate(rise.levels[:-1]) if rise.jumps[i] and abs(w - highest) <= _SAME_SPEED * w]
     parted = bool(near) and abs(velocity_mismatch_at(replace(system, zeta=zeta), 1.0, rtol=TIGHT).value) > PARTED
 
     def derivative(source: Wedge) -> float:
@@ -125,10 +126,15 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
             "its changes are lost in rounding; try an average of the slope"
         )
     for name, parameter in law.parameters.items():
-        symbol, partial = parameter.symbol, law.partial(name).bound.table_up_to(_BEYOND * highest * V)
+        symbol, partial = (
+            parameter.symbol,
+            law.partial(name).bound.table_up_to(_TABULATED_OVER_HIGHEST * highest * V),
+        )
         onset = bound.number(rate(law.static_expr, symbol)) - partial.onset
         moves = [(bound.number(place), bound.number(rate(place, symbol)) / V) for place in places(law.expr)]
-        shifts = [next((by for v, by in moves if math.isclose(v, level, rel_tol=_SAME)), 0.0) for level in levels]
+        shifts = [
+            next((by for v, by in moves if math.isclose(v, level, rel_tol=_SAME_SPEED)), 0.0) for level in levels
+        ]
         sources[name] = Wedge(eta * onset, 0.0, -eta, partial.at(V).pieces, shifts)
     by = {name: -derivative(source) / slope * unit for name, source in sources.items()}
     by_impedance = (zeta * unit - osc.N * by["N"]) / 2  # c/sqrt(k m) depends on N/sqrt(k m) alone

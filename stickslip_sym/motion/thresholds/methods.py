@@ -33,10 +33,13 @@ from stickslip_sym.motion.thresholds.operating_points import VANISHING, Operatin
 if TYPE_CHECKING:
     from stickslip_sym.motion.thresholds.theorem import Theorem
 
-_MANY = 200  # simulated thresholds, for which loading the compiled code is no loss
-_PHASES, _RESOLVED = 64, 3e-5  # of half a period, and the tail that the law may have on them for collocation
+_THRESHOLDS_TO_COMPILE = 200  # simulated thresholds, for which loading the compiled code is no loss
+_PHASES, _COLLOCATION_TAIL = (
+    64,
+    3e-5,
+)  # of half a period, and the tail that the law may have on them for collocation
 _FALLS = 30.0  # by so much the tail is smaller on the finest grid of collocation, where it has to be within rtol
-_BESIDE = 1e-6  # of V: an orbit that comes so close to a kink is taken to pass it
+_RELATIVE_KINK_DISTANCE = 1e-6  # of V: an orbit that comes so close to a kink is taken to pass it
 _REFERENCE = 1e-9  # of a threshold that gives the error of an average, or says where a proof has to look
 
 
@@ -340,7 +343,7 @@ def _damping_by_expansion(points: OperatingPoints, rtol: float) -> Computed:
         more = (strength * weak.overtones) ** 4 * scale + layer
         error = points.relative(resolution + more + ROUNDING * points.slope_scale, value)
         # The orbit goes beyond 2 V by its overtones, to where the expansion does not look.
-        beyond = points.V * (2 + strength * weak.overtones + _BESIDE)
+        beyond = points.V * (2 + strength * weak.overtones + _RELATIVE_KINK_DISTANCE)
         table = points.bound.table
         smooth = table.resolved(2 * points.V, beyond, 1) & (beyond < min(table.kinks, default=math.inf))
         error[~smooth] = np.inf
@@ -369,7 +372,7 @@ def _expansion_changes(points: OperatingPoints) -> dict[str, FloatArray]:
 def _orbit_cost(points: OperatingPoints, rtol: float) -> FloatArray:
     """Return less than a simulation for a law that few phases resolve: too strong a friction shows at once."""
     tail = expand(points.bound, points.V, grids=[_PHASES]).tail
-    return np.where(tail <= min(_RESOLVED, _FALLS * rtol), 2.0, 10.0)
+    return np.where(tail <= min(_COLLOCATION_TAIL, _FALLS * rtol), 2.0, 10.0)
 
 
 def _damping_by_orbit(points: OperatingPoints, rtol: float) -> Computed:
@@ -378,7 +381,7 @@ def _damping_by_orbit(points: OperatingPoints, rtol: float) -> Computed:
     with np.errstate(invalid="ignore"):
         error = points.relative(orbit.relative_error * np.abs(value), value)  # NaN where d is 0 but need not be
     error[np.isnan(error)] = np.inf
-    lowest = float(np.fmin.reduce(orbit.lowest, initial=0.0)) - _BESIDE
+    lowest = float(np.fmin.reduce(orbit.lowest, initial=0.0)) - _RELATIVE_KINK_DISTANCE
     reason = points.bound.obstacle(float(np.max(points.V, initial=0.0)) * (1 - lowest))
     if reason is not None:
         refusals = dict.fromkeys(range(len(points)), _not_smooth("orbit", reason))
@@ -412,7 +415,7 @@ def _orbit_changes(points: OperatingPoints) -> dict[str, FloatArray]:
 
 def _damping_by_simulation(points: OperatingPoints, rtol: float) -> Computed:
     """Return the damping at which the simulated slip from P grazes the belt's speed."""
-    fast = len(points) >= _MANY
+    fast = len(points) >= _THRESHOLDS_TO_COMPILE
     computed = _each(
         points, lambda row: grazing_damping(points.bound, points.oscillator(row), rtol=rtol, fast=fast)
     )

@@ -29,7 +29,12 @@ from stickslip_sym.output.data import DataResult
 from stickslip_sym.output.layout import prose_latex
 from stickslip_sym.output.notation import latex_name
 
-_BITS = (40, 100, 250, 600)  # of a decision, beyond those of its distance from the threshold, until one falls
+_BITS_BEYOND_DISTANCE = (
+    40,
+    100,
+    250,
+    600,
+)  # of a decision, beyond those of its distance from the threshold, until one falls
 _CURVED = 10  # the secant is off by the square of the bracket, times this
 _WIDEST = 1e-2  # of the first bracket, relative
 
@@ -177,7 +182,7 @@ class Search:
     def __init__(self, decision: Callable[[Fraction, int], Transit], label: str) -> None:
         self.decision, self.label = decision, label
         self.decided: dict[Fraction, Transit] = {}
-        self.bits = list(_BITS)
+        self.bits = list(_BITS_BEYOND_DISTANCE)
 
     def around(self, value: float, error: float, rtol: float, scale: float = 0.0) -> Enclosure:
         """Enclose the threshold by two values within a relative distance.

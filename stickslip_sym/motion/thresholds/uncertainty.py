@@ -18,7 +18,7 @@ from stickslip_sym.output.content import content
 from stickslip_sym.output.data import TableResult
 from stickslip_sym.output.shown import Report
 
-_FAR = np.sqrt(3.0)  # standard errors; the outer nodes of the Gauss rule of three for normal errors
+_OUTER_NODE = np.sqrt(3.0)  # standard errors; the outer nodes of the Gauss rule of three for normal errors
 _SUFFICES = 0.1  # of the first order's standard error, by which the second order's may differ
 
 
@@ -140,10 +140,10 @@ def second_order_ratio(
 
     try:
         a = slope(np.zeros(len(names)))
-        up, down = (np.array([slope(side * _FAR * axis) for axis in L.T]) for side in (1, -1))
+        up, down = (np.array([slope(side * _OUTER_NODE * axis) for axis in L.T]) for side in (1, -1))
     except NO_RESULT as error:
         return np.full(len(points), np.nan), str(error)
-    h, t = (up - down) / (2 * _FAR), (up + down - 2 * a) / _FAR**2
+    h, t = (up - down) / (2 * _OUTER_NODE), (up + down - 2 * a) / _OUTER_NODE**2
     first = (a**2).sum(axis=0)
     second = np.maximum(first + (h**2).sum(axis=(0, 1)) / 2 + (a * t).sum(axis=(0, 1)), 0.0)
     with np.errstate(all="ignore"):

@@ -17,7 +17,7 @@ _NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable
 _OTHERWISE = "open the page in any browser, and print it to a file there"
 _SMALLER = 7.5, 7.0, 6.5  # points, of letters that are 8 as a rule; smaller ones are not read
 _SHEET = re.compile(rb"/Type\s*/Page\b")
-_SECONDS = 60  # for one page; usually 2
+_SECONDS_FOR_PAGE = 60  # for one page; usually 2
 _OPTIONS = (
     # The sandbox needs rights that containers do not give; the page has no script and refers to nothing.
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-sync", "--no-first-run",
@@ -61,7 +61,7 @@ def _as_pdf(page: str) -> bytes:
         profile = f"--user-data-dir={Path(folder, 'profile')}"
         command = [browser, *_OPTIONS, profile, f"--print-to-pdf={printed}", source.as_uri()]
         try:
-            done = subprocess.run(command, capture_output=True, timeout=_SECONDS, check=False)
+            done = subprocess.run(command, capture_output=True, timeout=_SECONDS_FOR_PAGE, check=False)
         except (OSError, subprocess.TimeoutExpired) as error:
             raise InputError(f"{Path(browser).name} did not print: {error}; {_OTHERWISE}") from None
         content = printed.read_bytes() if printed.is_file() else b""

@@ -39,7 +39,7 @@ from stickslip_sym.views.pages.render import render
 _TEMPLATE = Path(__file__).with_name("explorer.html")
 _SCRIPTS = [Path(__file__).with_name(name) for name in ("slip.js", "explorer.js")]
 _RANGE = 5.0  # times a value, and its inverse, that a slider reaches
-_ROWS = 500  # of a table of slope averages over log V
+_TABLE_ROWS = 500  # of a table of slope averages over log V
 _MOST_POINTS = 2000  # measured ones that are drawn
 _LONGEST_TITLE = 80  # characters
 _SIGNS = {"V": "positive", "N": "nonnegative", "m": "positive", "k": "positive"}
@@ -177,7 +177,7 @@ def _slider_of_parameter(parameter: Parameter, value: float) -> dict[str, Any]:
 
 def _table(law: FrictionLaw, criterion: Criterion, slider: Mapping[str, Any]) -> list[float]:
     """Return c/N at even steps of log V, of a law that has no parameters."""
-    V = np.geomspace(slider["low"], slider["high"] * (1 - SAME), _ROWS)
+    V = np.geomspace(slider["low"], slider["high"] * (1 - SAME), _TABLE_ROWS)
     return [float(mean) for mean in resolved_gauss_average(law.kinetic, criterion, V)]
 
 

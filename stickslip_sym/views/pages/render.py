@@ -22,7 +22,7 @@ _PACKAGES = ("sympy", "mpmath", "numpy", "scipy", "matplotlib", "uncertainties")
 _FRAME = Path(__file__).parent
 _POWER = re.compile(r"(.*)e([+-])0*(\d+)")
 _MOST_DECIMALS = 9
-_LARGE = 1e7  # from which a number is shown with a power of ten
+_SHOWN_WITH_POWER = 1e7  # from which a number is shown with a power of ten
 
 
 def require_templates() -> None:
@@ -88,7 +88,7 @@ def number_with_error(value: float, error: float | None) -> Markup:
     if error is None or not error > 0 or not math.isfinite(error):
         return number(value)
     decimals = max(0, 1 - math.floor(math.log10(error)))
-    if decimals > _MOST_DECIMALS or max(abs(value), error) >= _LARGE:
+    if decimals > _MOST_DECIMALS or max(abs(value), error) >= _SHOWN_WITH_POWER:
         return Markup(f"{number(value)}\u00a0±\u00a0{number(error, '.2g')}")
     return Markup(f"{number(value, f'.{decimals}f')}\u00a0±\u00a0{number(error, f'.{decimals}f')}")
 

@@ -31,11 +31,11 @@ from stickslip_sym.views.threshold_plane import ABOVE, BAND, Look, draw_plane
 _TEMPLATE = Path(__file__).with_name("study_page.html")
 _SHEETS = 2  # of paper
 _WIDEST = 260  # characters of a formula as text, up to which it fits a sheet when it is set
-_LONGEST = 1500  # characters that are shown at all
+_MOST_PAGE_CHARACTERS = 1500  # characters that are shown at all
 _LONGEST_NAME = 80  # characters of a heading
-_DIGITS = 10  # of a value, at most
+_MOST_SHOWN_DIGITS = 10  # of a value, at most
 _SIZE = 4.6, 3.1  # inches: two beside each other on a screen and on paper
-_MANY = 2000  # points of the motion over time
+_POINTS_OF_MOTION = 2000  # points of the motion over time
 _GROWN = 10.0  # belt speeds up to which a motion is shown in the phase plane
 
 
@@ -92,7 +92,7 @@ def _chance(chance: float, least: float) -> Markup:
 def _digits(threshold: Threshold[float]) -> int:
     """Return the digits of a threshold that its own error leaves."""
     error = threshold.relative_error
-    return _DIGITS if not error else min(max(1 - math.floor(math.log10(error)), 2), _DIGITS)
+    return _MOST_SHOWN_DIGITS if not error else min(max(1 - math.floor(math.log10(error)), 2), _MOST_SHOWN_DIGITS)
 
 
 def _formula(left: sp.Expr, expr: sp.Expr) -> Markup:
@@ -100,7 +100,7 @@ def _formula(left: sp.Expr, expr: sp.Expr) -> Markup:
     text = printing.text(expr)
     if len(text) <= _WIDEST:
         return mathml_equation(left, expr)
-    if len(text) <= _LONGEST:
+    if len(text) <= _MOST_PAGE_CHARACTERS:
         return element("code", f"{printing.text(left)} = {text}")
     return element("p", f"A formula of {len(text)} characters; derive gives it.", class_="note")
 
@@ -150,7 +150,7 @@ def _time(ax: Any, study: Study, motion: Trajectory) -> None:
 def _phase_plane(ax: Any, study: Study, motions: Regime) -> None:
     handles = motions.draw(ax)
     if study.motion is not None:
-        state = study.motion.at(np.linspace(0, study.motion.stretches[-1].end, _MANY))
+        state = study.motion.at(np.linspace(0, study.motion.stretches[-1].end, _POINTS_OF_MOTION))
         reach = max([_GROWN * study.oscillator.V, *(1.2 * cycle.amplitude for cycle in motions.cycles)])
         shown = np.logical_and.accumulate(np.abs(state.v) <= reach)
         line = {"color": "0.7", "linewidth": 0.7, "zorder": 0, "label": "motion over time"}

@@ -26,7 +26,7 @@ def both_ways(path, **how):
     """What is read as a whole, and what cell by cell."""
     results = []
     for least in (0, 1e9):
-        with patch.object(text_table, "_LONG", least):
+        with patch.object(text_table, "_BYTES_WORTH_PLAIN", least):
             try:
                 results.append(ss.read_measurements(path, **how))
             except ss.InputError as error:
