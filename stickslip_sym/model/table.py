@@ -441,7 +441,9 @@ def _slopes(expr: Expr) -> list[Expr]:
     forms = [slope, others + _write_one_denominator(sp.Add(*algebraic))]
     if any(_is_root_of_speed(node) for node in sp.preorder_traversal(others)):
         inner = {node: sp.Dummy() for node in sp.preorder_traversal(slope) if _is_transcendental(node)}
-        forms.append(_write_one_denominator(slope.xreplace(inner)).xreplace({name: node for node, name in inner.items()}))
+        forms.append(
+            _write_one_denominator(slope.xreplace(inner)).xreplace({name: node for node, name in inner.items()})
+        )
     return list(dict.fromkeys(forms))
 
 

@@ -185,7 +185,7 @@ def prose_latex(text: str, names: Mapping[str, str] | None = None) -> str:
     """
     text = unicodedata.normalize("NFC", re.sub(r"\s+", " ", text))
     pieces = [_piece(match, names or {}) for match in _WORD.finditer(text)]
-    words = "".join(f"${content}$" if is_formula else content for content, is_formula in _joined(pieces))
+    words = "".join(f"${content}$" if is_formula else content for content, is_formula in _join_formulas(pieces))
     # After an abbreviation TeX would leave the space that follows a sentence.
     return re.sub(r"\b(e\.g\.|eq\.) ", r"\1~", words).replace(" - ", " $-$ ")
 
@@ -213,7 +213,7 @@ def _signs(word: str) -> str:
     return "".join(map(_sign, word))
 
 
-def _joined(pieces: Sequence[tuple[str, bool]]) -> list[tuple[str, bool]]:
+def _join_formulas(pieces: Sequence[tuple[str, bool]]) -> list[tuple[str, bool]]:
     """Make one formula of those with a relation or an operation between them, and of numbers behind these."""
     joined: list[tuple[str, bool]] = []
     left = list(pieces)
