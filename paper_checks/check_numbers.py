@@ -12,7 +12,7 @@ from derivations import chapter
 from paper_checks.computed import law, oscillator, threshold
 from paper_checks.findings import Find, Finding, Printed, check
 from stickslip_sym import Status, peak_velocity, pure_slip_damping
-from stickslip_sym.comparison.tradeoff import BAND, pure_slip_by_scan
+from stickslip_sym.comparison.tradeoff import BAND_ABOVE_REST, pure_slip_by_scan
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.motion.thresholds.threshold import Threshold
 
@@ -51,7 +51,7 @@ def pure_slip(name: str) -> tuple[float, Threshold[float], float]:
     given: dict[str, Any] = {quantity: repr(value) for quantity, value in quantities.items()}
     proved = pure_slip_damping(law(name), **given, method="proof", rtol=1e-15)
     scan = pure_slip_by_scan(law(name), osc, near_and_far(float(proved.value)))
-    return scan, proved, peaks_at(name, osc.V - BAND)
+    return scan, proved, peaks_at(name, osc.V - BAND_ABOVE_REST)
 
 
 def peaks_at(name: str, velocity: float) -> float:
@@ -81,7 +81,7 @@ def pure_slip_damping_of(find: Find, printed: Printed, *, name: str) -> Finding:
         proved=f"{stated:g} kg/s is {side} the threshold, which is {enclosure} kg/s",
         checked=f"the scan gives {scanned:.3f} kg/s; simulated peaks and collocation of the grazing orbit give "
         f"thresholds {apart:.0e} kg/s apart",
-        estimated=f"the orbit that peaks {BAND:g} m/s below the belt's speed has c = {banded:.6f}, "
+        estimated=f"the orbit that peaks {BAND_ABOVE_REST:g} m/s below the belt's speed has c = {banded:.6f}, "
         f"{banded - exact:.6f} kg/s higher; the scan reports the next multiple of {SCAN_STEP:g} kg/s",
         difference=f"{stated - exact:+.6f} kg/s from the exact threshold",
         reproduced=agree and scanned == stated and 0 <= stated - exact <= SCAN_STEP,

@@ -8,7 +8,8 @@ from string import Template
 import sympy as sp
 
 from stickslip_sym.certificates import in_flint
-from stickslip_sym.certificates.in_flint import WIDTH, LawInFlint
+from stickslip_sym.certificates.in_flint import LawInFlint
+from stickslip_sym.certificates.python_printer import WIDTH
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.errors import InputError

@@ -11,6 +11,7 @@ from pathlib import Path
 import sympy as sp
 from sympy.printing.str import StrPrinter
 
+from stickslip_sym.certificates.python_printer import WIDTH
 from stickslip_sym.certificates.script import SafeNames
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Rational
@@ -20,7 +21,6 @@ from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.expression.pieces import places
 from stickslip_sym.output.sections import sections
 
-WIDTH = 115  # of a line
 _VARIABLES = {symbols.v: "v", symbols.s: "s"}
 _METHODS = {"exp", "sin", "cos", "tan", "erf"}  # of balls, and of power series
 _PRODUCT = 3  # up to which power a name is multiplied by itself

@@ -14,7 +14,8 @@ import sympy as sp
 from flint import arb
 
 from stickslip_sym.certificates import in_flint
-from stickslip_sym.certificates.in_flint import WIDTH, LawInFlint
+from stickslip_sym.certificates.in_flint import LawInFlint
+from stickslip_sym.certificates.python_printer import WIDTH
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Undecided, flow
 from stickslip_sym.output.sections import sections

@@ -24,7 +24,7 @@ from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 
 _NAMED_DIFFERENCE = 0.05  # relative difference of two values from which on its reason is named
-_STIFFER = 1e4  # times the stiffness: N/(V sqrt(k m)) falls to a hundredth, where friction is weak
+_STIFFNESS_RATIO = 1e4  # times the stiffness: N/(V sqrt(k m)) falls to a hundredth, where friction is weak
 _SHOWN_RTOL, _THRESHOLD_DIGITS = (
     1e-11,
     12,
@@ -111,7 +111,7 @@ def differences(
                 "the static coefficient, which no slope average sees: without it the threshold is "
                 f"{without:.4g} kg/s"
             )
-    stiff = simulated(law, k=point["k"] * _STIFFER)
+    stiff = simulated(law, k=point["k"] * _STIFFNESS_RATIO)
     if abs(stiff - weak) < abs(threshold - weak) / 3 and abs(threshold - stiff) > _NAMED_DIFFERENCE * abs(
         threshold
     ):

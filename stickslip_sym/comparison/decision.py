@@ -15,7 +15,7 @@ from stickslip_sym.output.data import DataResult
 
 _FEWEST_SPEEDS = 5  # speeds, below which the range of the threshold is stated, and no decision
 _AVERAGED = 6  # speeds, from which the average over laws decides, and not all laws together
-_DECIDED = 0.95  # probability from which a decision is stated
+_PROBABILITY_OF_DECISION = 0.95  # probability from which a decision is stated
 _LEAST_PROBABILITY = 0.001  # probability that is shown as no more than that
 _LEAST_OF_FEW = 0.01  # the same where laws cannot be ranked
 _NODES, _SHARES = np.polynomial.legendre.leggauss(24)  # friction is smooth there, but for a power of v
@@ -93,9 +93,9 @@ class Decision(DataResult):
         possible = self._possible
         if possible is None or self._speeds < _FEWEST_SPEEDS:
             return None
-        if possible[0] > _DECIDED:
+        if possible[0] > _PROBABILITY_OF_DECISION:
             return True
-        return False if possible[1] < 1 - _DECIDED else None
+        return False if possible[1] < 1 - _PROBABILITY_OF_DECISION else None
 
     @property
     def probability(self) -> float | None:

@@ -44,7 +44,7 @@ from stickslip_sym.output.tables import now
 _PERIODS_SHOWN = 8  # of free vibration, that the motion is shown for
 _EACH = 20.0  # seconds that one part may take
 _STUDY_RTOL = 1e-10  # of thresholds
-_LOOSE = 1e-6  # of critical values
+_CRITICAL_RTOL = 1e-6  # of critical values
 _AVERAGED_RTOL = 1e-4  # of thresholds that are averaged over laws
 _PARTS_OF_TIME = 5  # of the time for a part, that one quantity, method or law may take
 _PROBABILITY_SAMPLES = 200  # for the probability, where a threshold takes less than a millisecond
@@ -494,7 +494,7 @@ def _margins(subject: _Subject) -> Margins:
     quick = law.bound.obstacle(2 * osc.V) is None
     how: dict[str, Any] = {
         "samples": _PROBABILITY_SAMPLES if quick and subject.fits is None else 0,
-        "rtol": _LOOSE,
+        "rtol": _CRITICAL_RTOL,
         "reach": REACH,
         "each": subject.each,
     }

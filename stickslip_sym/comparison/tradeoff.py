@@ -58,7 +58,8 @@ SPEEDS = np.linspace(0.05, 1.0, 20)
 BISECTED = (1e-3, 1e-6, 1e-9)
 """Tolerances of ``scipy.integrate.solve_ivp`` for a threshold, whose own is the first."""
 SCAN_STEP = 0.001  # kg/s, the paper's
-_FINE = 1e-11  # relative error that methods are asked for; a simulation states 1e-12 at best, and is refused there
+_TIGHTEST_ERROR = 1e-11
+"""Relative error that methods are asked for; a simulation states 1e-12 at best, and is refused there."""
 _REACH = 4 / 3  # of the box of initial conditions: in V/omega to both sides of 0, and in V
 SIMULATED = (50, 200, 800)
 """Numbers of initial conditions that are simulated."""
@@ -291,7 +292,7 @@ def _threshold(law: FrictionLaw, point: Mapping[str, float]) -> Trade:
         """Return the threshold by a method; slope averages do not compute their errors."""
         method = methods()[name]
         numbers = {**point, "V": V} if method.oscillator else {"V": V, "N": point["N"]}
-        return pure_slip_damping(law, **numbers, method=method, rtol=_FINE if method.converges else 1.0)
+        return pure_slip_damping(law, **numbers, method=method, rtol=_TIGHTEST_ERROR if method.converges else 1.0)
 
     right = by("orbit").value
     if not right > 0:
@@ -408,7 +409,7 @@ def _damping_between_thresholds(law: FrictionLaw, point: Mapping[str, float]) ->
 # 0 to 6 kg/s in steps of 0.001 kg/s. The paper leaves open how the friction force enters a step; here it is
 # iterated to the velocity at the end of the step. All dampings run side by side, one element of an array each.
 
-BAND = 1e-4  # m/s, the paper's
+BAND_ABOVE_REST = 1e-4  # m/s, the paper's
 _ITERATIONS = 3  # of the friction force in a Newmark step; it changes by 1e-4 relative in one
 _ROUND = 1.5 * 2 * math.pi  # time in 1/omega within which a slip comes back to the belt's speed, if it does
 _TIME_OF_RUN = 80 * 2 * math.pi  # time of a run in 1/omega
@@ -421,7 +422,7 @@ _DEFAULTS = {"method": "RK45", "max_step": math.inf}
 
 
 def pure_slip_by_scan(
-    law: FrictionLaw, osc: Oscillator, dampings: FloatArray, step: float = 1e-4, band: float = BAND
+    law: FrictionLaw, osc: Oscillator, dampings: FloatArray, step: float = 1e-4, band: float = BAND_ABOVE_REST
 ) -> float:
     """Return the lowest of ascending dampings at which the mass, once it slipped, does not come back to v_r = 0.
 

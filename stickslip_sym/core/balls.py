@@ -31,7 +31,7 @@ Point: TypeAlias = Mapping[Expr, Expr | acb]
 _Part: TypeAlias = acb | Callable[..., Any]
 """A ball where no variable stands in an expression, else a function of the variable and of the flag."""
 
-_LARGEST_POWER = 64  # of an integer exponent that is multiplied out; a power by logarithm fails around 0
+_MOST_BALL_POWER = 64  # of an integer exponent that is multiplied out; a power by logarithm fails around 0
 _NUMBER_BITS = 4000  # of a number that is no rational one: beyond the digits of any answer
 _NOWHERE = acb("nan")
 copyreg.pickle(arb, lambda ball: (arb, tuple(tuple(map(int, end.man_exp())) for end in (ball.mid(), ball.rad()))))
@@ -141,7 +141,7 @@ class _Balls:
             return lambda z, analytic: reduce(join, [term(z, analytic) for term in terms])
         first, *others = parts
         if node.is_Pow and others:
-            if node.exp.is_Integer and abs(node.exp) <= _LARGEST_POWER:
+            if node.exp.is_Integer and abs(node.exp) <= _MOST_BALL_POWER:
                 count = int(node.exp)
                 return lambda z, analytic: _whole_power(first(z, analytic), count)
             (exponent,) = others
@@ -282,7 +282,7 @@ def _rationals(point: Mapping[Expr, Expr], *, endless: bool = False) -> Callable
             return sp.oo
         elif node.is_Add or node.is_Mul or isinstance(node, sp.Abs | sp.sign | sp.Min | sp.Max):
             number = node.func(*parts)
-        elif node.is_Pow and len(parts) == 2 and parts[1].is_Integer and abs(parts[1]) <= _LARGEST_POWER:
+        elif node.is_Pow and len(parts) == 2 and parts[1].is_Integer and abs(parts[1]) <= _MOST_BALL_POWER:
             number = parts[0] ** parts[1]
         else:
             return None

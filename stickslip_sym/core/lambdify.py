@@ -21,7 +21,7 @@ from stickslip_sym.core.special import Special
 Backend: TypeAlias = Literal["numpy", "math", "mpmath"] | mpmath.MPContext
 """A library of numbers: "mpmath" computes in the user's precision, a context of mpmath in its own."""
 
-_LARGEST_POWER = 8  # of a whole exponent that is multiplied out
+_MOST_FLOAT_POWER = 8  # of a whole exponent that is multiplied out
 
 
 def power_of(base: Numbers, exponent: float) -> Numbers:
@@ -31,7 +31,7 @@ def power_of(base: Numbers, exponent: float) -> Numbers:
     if exponent < 0:
         return 1.0 / power_of(base, -exponent)
     whole = int(exponent)
-    if whole > _LARGEST_POWER or exponent - whole not in (0.0, 0.5):
+    if whole > _MOST_FLOAT_POWER or exponent - whole not in (0.0, 0.5):
         result: Numbers = np.power(base, exponent)
         return result
     result = np.sqrt(base) if exponent != whole else 1.0
@@ -125,4 +125,4 @@ def _replace_large_numbers(expr: Expr) -> Expr:
 
 def is_multiplied(node: Expr) -> bool:
     """Whether a node is a power by products, quotients and square roots: the same for a float as in an array."""
-    return bool(node.is_Pow and node.exp.is_Rational and node.exp.q <= 2 and abs(node.exp) < _LARGEST_POWER + 1)
+    return bool(node.is_Pow and node.exp.is_Rational and node.exp.q <= 2 and abs(node.exp) < _MOST_FLOAT_POWER + 1)

@@ -19,7 +19,10 @@ from stickslip_sym.core.precision import ball_of_mpmath, middle_in_mpmath, mp, r
 _MOST_MPMATH_BITS = 20_000  # bits of working precision for a value in mpmath
 _EIN_TERMS = 21  # of a series at arguments up to 1, the next term of which is below the rounding of a double
 _SERIES_RADIUS = 1.5  # largest argument of the power series of a removable singularity
-_CIRCLE, _BOUND = 3, 8  # a radius up to which a removable function is analytic, and a bound on its size there
+_CIRCLE, _BOUND_ON_CIRCLE = (
+    3,
+    8,
+)  # a radius up to which a removable function is analytic, and a bound on its size there
 _DOUBLE = np.finfo(np.float64).nmant + 1  # bits of a double
 
 
@@ -225,7 +228,7 @@ class Removable(Special):
         By Cauchy's estimate, summed as a geometric series: from 2 n terms on the next is below 3/4 of the last.
         """
         count = bits + 2 * n + 8
-        left_out = 4 * _BOUND * int(sp.ff(count + n, n)) / arb(_CIRCLE) ** (count + n)
+        left_out = 4 * _BOUND_ON_CIRCLE * int(sp.ff(count + n, n)) / arb(_CIRCLE) ** (count + n)
         return acb_poly(list(map(acb, cls._taylor(n, count)))), left_out
 
     @classmethod

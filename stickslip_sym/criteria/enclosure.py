@@ -34,7 +34,7 @@ from stickslip_sym.output.data import DataResult
 
 _BITS_PER_DIGIT = math.log2(10)  # per digit
 _BITS_OF_ENDS = 64  # bits with which an end is written, beyond those of the middle
-_MOST_LOST = 1400  # bits of cancellation that are followed, some 400 digits
+_MOST_BITS_LOST = 1400  # bits of cancellation that are followed, some 400 digits
 _EXTREME = 100_000  # bits, beyond which an end is rounded outwards instead of written in full
 _MOST_SHOWN = 4000  # where two enclosures are distinguished
 _DIGITS_WITHOUT_CERTAINTY = 3  # digits of an end of an enclosure without a certain digit
@@ -253,7 +253,7 @@ def enclose(
         return value
 
     goal = int(digits * _BITS_PER_DIGIT) + 2
-    ends = rounded_outward(enclosure_of(refined(enclosed, goal, goal + _MOST_LOST)))
+    ends = rounded_outward(enclosure_of(refined(enclosed, goal, goal + _MOST_BITS_LOST)))
     return EnclosedCriterion(ends.low, ends.high, law, criterion, speed, force)
 
 

@@ -22,7 +22,7 @@ from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.table import FrictionTable
 
-_OCTAVES = 40  # of the phase, to which panels shrink towards rest
+_OCTAVES_TO_REST = 40  # of the phase, to which panels shrink towards rest
 _PANEL_NODES = 16
 _MOST_PARTS = 64  # of a panel: falls within a thousandth of their own speed are resolved
 _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(_PANEL_NODES)
@@ -175,7 +175,7 @@ class _Panels(NamedTuple):
 @lru_cache(maxsize=32)
 def _graded(criterion: Criterion, parts: int, parting: tuple[float, ...]) -> _Panels:
     """Return panels that are graded towards rest, each cut into parts."""
-    whole = np.unique([0.0, *np.pi * 2.0 ** np.arange(-_OCTAVES, 1), *2 * np.arcsin(np.sqrt(parting))])
+    whole = np.unique([0.0, *np.pi * 2.0 ** np.arange(-_OCTAVES_TO_REST, 1), *2 * np.arcsin(np.sqrt(parting))])
     ends = np.interp(np.arange(parts * (whole.size - 1) + 1) / parts, np.arange(whole.size), whole)
     half = np.diff(ends)[:, None] / 2
     theta = (ends[:-1, None] + half * (1 + _GAUSS)).ravel()

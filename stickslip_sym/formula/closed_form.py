@@ -42,12 +42,12 @@ from stickslip_sym.output.notation import check_known, notation_of
 from stickslip_sym.output.shown import Shown, views_of
 from stickslip_sym.output.text_printer import is_decimal
 
-_MOST_DIGITS = 6
+_MOST_DIGITS_OF_A_LAW = 6
 """A number with more was multiplied together from the numbers of a law."""
 _HIGHEST_ROOT = 6
 """A power of a number with a larger denominator is no root that a reader knows."""
 _FEW_TERMS = 3
-_SHORT = 60
+_FEW_OPERATIONS = 60
 """Sums of more terms, and of more operations, keep the shares of their terms apart."""
 _LINEAR = "a criterion is linear in mu, and a change of the unit of speed scales it"
 
@@ -111,7 +111,7 @@ class ClosedForm(Shown, SlopeAverage):
     @cached_property
     def _is_long(self) -> bool:
         """Whether the shares of the terms stay apart, as their sum over one denominator would be longer."""
-        return len(self._shares) > _FEW_TERMS and self._sum.count_ops() > _SHORT
+        return len(self._shares) > _FEW_TERMS and self._sum.count_ops() > _FEW_OPERATIONS
 
     @property
     def shares(self) -> tuple[tuple[Term, Expr], ...]:
@@ -538,7 +538,7 @@ def _is_mixed(expr: Expr, law: Expr) -> bool:
         return True
     own = {abs(number) for number in law.atoms(sp.Rational)}
     others = {abs(number) for number in expr.atoms(sp.Rational)} - own
-    return any(_shown_digits(number) > _MOST_DIGITS for number in others)
+    return any(_shown_digits(number) > _MOST_DIGITS_OF_A_LAW for number in others)
 
 
 def _shown_digits(number: Expr) -> int:

@@ -40,7 +40,8 @@ _ELEMENTS_IN_CACHE = 16000
 _BALL_DIGITS = 17  # of a value by balls
 _LARGEST_DOUBLE = float(np.finfo(np.float64).max)
 _ZERO = Fraction(1, 2**60)  # of the mean size of the slope: an enclosure around 0 that is narrower is that of 0
-_ALLOWED = 8.0  # the same over the mean size of the slope, the unit of errors, from where balls are asked
+_ALLOWED_OVER_SIZE = 8.0
+"""The same over the mean size of the slope, the unit of errors, from where balls are asked."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -268,7 +269,7 @@ class SlopeAverage(TermSum, DataResult, by_identity=True):
     def _unit(self, values: Sequence[Numbers]) -> FloatArray:
         """Return the size of terms that N <|mu'|> allows: where the slope itself cancels, they are larger."""
         speed, force, *rest = (np.atleast_1d(np.asarray(value, dtype=np.float64)) for value in values)
-        unit = np.asarray(_ALLOWED * force * self._mean_slope(speed, *rest))
+        unit = np.asarray(_ALLOWED_OVER_SIZE * force * self._mean_slope(speed, *rest))
         return np.where(np.isfinite(unit), unit, 0.0)  # what is beyond floats measures nothing
 
     def _by_balls(self, values: Sequence[float]) -> float:

@@ -61,21 +61,22 @@ FARTHEST = 1e20
 
 _DEGREE = 14  # 15 nodes resolve about an octave of an analytic law to rounding
 _LOWEST = 1 / FARTHEST**2  # m/s; a law that is singular at rest, as sqrt(v), is a straight line below
-_TAIL = 1e-15  # of the last two Chebyshev coefficients, relative to the largest value: what they leave out is less
-_RISE_NOISE = 4 * _TAIL  # relative error of the first polynomial, and of mu where a rise is a difference
+_TAIL_SIZE = 1e-15
+"""Of the last two Chebyshev coefficients, relative to the largest value: what they leave out is less."""
+_RISE_NOISE = 4 * _TAIL_SIZE  # relative error of the first polynomial, and of mu where a rise is a difference
 _VANISHES = 4e-16  # of the largest coefficient at rest: where mu has no slope at 0, rounding is none either
 _INTERVALS_AN_OCTAVE = 512
 """Intervals within an octave: a table ends where there would be more; as many are looked at at a time."""
 _HALVINGS_TO_NOISE = 4  # halvings, after which what is left may be noise of a rise computed as a difference
 _LEAST_RELATIVE_WIDTH = 1e-13  # relative width of an interval that is not halved again
 _POLE = 1e6  # a coefficient on the narrowest interval as high as that is a pole's
-_PARTED = 2.0  # widths of a transition, and distances from it, an interval is wide at most
-_NARROW = 0.125  # times its own speed: an octave halved that often may hide from a grid of phases
+_TRANSITION_WIDTHS = 2.0  # widths of a transition, and distances from it, an interval is wide at most
+_NARROW_OVER_SPEED = 0.125  # times its own speed: an octave halved that often may hide from a grid of phases
 _LEAP = 1 / 32  # times its own speed: the stages of the longest steps meet whatever is wider
 _STEEPER = 4.0  # times the steepest slope of a polynomial: balls are larger than what they hold
 _AT_ONCE = 1e-24  # times V: slip comes to that speed within 1e-12/omega, in which nothing happens
 _CUTS = 3  # halvings of the ball over an interval, to bring it closer to what it holds
-_UNSEEN = 100.0  # times the level of the last coefficients: a rise of no account, however steep
+_RISE_OF_NO_ACCOUNT = 100.0  # times the level of the last coefficients: a rise of no account, however steep
 _TINY = 1e-290  # a rise where floats underflow
 _BALL_BITS = 200  # working precision of balls: 1 - exp(-v) has digits down to `_LOWEST`
 
@@ -222,7 +223,7 @@ class FrictionTable:
     def narrow(self) -> FloatArray:
         """Ends of the pieces that are narrow beside their own speed, where mu varies quickly; a row each."""
         low, high = self.pieces[:, 0], np.append(self.pieces[1:, 0], self.end)
-        return np.column_stack([low, high])[high - low < _NARROW * low]
+        return np.column_stack([low, high])[high - low < _NARROW_OVER_SPEED * low]
 
     def resolved(self, low: ArrayLike, high: ArrayLike, phases: ArrayLike) -> BoolArray:
         """Whether harmonic motions between slip speeds meet every narrow piece at some of their phases.
@@ -344,7 +345,7 @@ class _Segment:
             coefficients = values @ _CHEBYSHEV_GRID.coefficients
             fits = (tail(coefficients, 2) <= level) & ~self.hides(low, upper)
             steepest = _STEEPER * 2 * np.abs(values @ _CHEBYSHEV_GRID.slopes).max(axis=1)
-            steepest += _UNSEEN * (level + _TAIL * reached[octaves]) + _TINY
+            steepest += _RISE_OF_NO_ACCOUNT * (level + _TAIL_SIZE * reached[octaves]) + _TINY
             powers = coefficients @ _CHEBYSHEV_GRID.powers
             for i, one in enumerate(intervals):
                 if one.high - one.low <= _LEAST_RELATIVE_WIDTH * one.high:
@@ -376,7 +377,7 @@ class _Segment:
         """Return what coefficients of a rise on intervals may be off by, a row of values for each."""
         scale = np.abs(values).max(axis=1)
         # A speed is rounded, which shows where mu is steep.
-        level = _TAIL * (scale + np.ptp(values, axis=1) * high / (high - low))
+        level = _TAIL_SIZE * (scale + np.ptp(values, axis=1) * high / (high - low))
         return np.asarray(
             level + np.where(halvings >= _HALVINGS_TO_NOISE, _RISE_NOISE * (scale + abs(self.onset)), 0.0)
         )
@@ -385,7 +386,7 @@ class _Segment:
         """Whether a transition within ranges, or beside them, is narrow beside them."""
         speed, width = self.changes
         distance = np.maximum(np.maximum(low[:, None] - speed, speed - high[:, None]), 0.0)
-        hidden: BoolArray = ((high - low)[:, None] > _PARTED * (width + distance)).any(axis=1)
+        hidden: BoolArray = ((high - low)[:, None] > _TRANSITION_WIDTHS * (width + distance)).any(axis=1)
         return hidden
 
     def is_sure(self, low: float, high: float, steepest: float, cuts: int = _CUTS) -> bool:
@@ -481,7 +482,7 @@ def _first(segment: _Segment) -> tuple[FloatArray, float]:
         )
     coefficients = (values / nodes) @ _CHEBYSHEV_GRID.coefficients
     largest = np.abs(values / nodes).max(axis=1)
-    fits = (tail(coefficients, 2) <= _TAIL * largest) & ~segment.hides(0 * widths, widths)
+    fits = (tail(coefficients, 2) <= _TAIL_SIZE * largest) & ~segment.hides(0 * widths, widths)
     steepest = _STEEPER * np.abs(values @ _CHEBYSHEV_GRID.slopes).max(axis=1) * 2 / widths
     for noise in (0.0, _RISE_NOISE * abs(onset)):  # a rise that had to be computed as a difference has it
         own = (

@@ -33,11 +33,13 @@ _FINEST_UNIT = 24  # of v: one power of v takes so many terms, and a finer unit 
 _MOST_MULTIPLIED = 16  # of a whole power that is multiplied out
 _CIRCLE_RATIO = 2  # times the size of an argument: the circle on which a function is bounded
 _RADII = 12  # halvings of the radius that are tried
-_INSIDE = 0.25  # of the radius: within it the remainder is below 2^(-3 terms)
-_INSIDE_IN_FLOATS = _INSIDE**2  # within which floats need few terms
+_SHARE_OF_RADIUS_INSIDE = 0.25  # of the radius: within it the remainder is below 2^(-3 terms)
+_INSIDE_IN_FLOATS = _SHARE_OF_RADIUS_INSIDE**2  # within which floats need few terms
 _BITS_OF_FLOATS = 128
-_CANCELLED = 2.0**-90  # of the sizes of coefficients: below it their sum is 0
-_UNSEEN = 2.0**-60  # of the largest coefficient: below it a coefficient that may be 0 is 0 to floats
+_RELATIVE_SIZE_OF_ZERO = 2.0**-90  # of the sizes of coefficients: below it their sum is 0
+_COEFFICIENT_OF_NO_ACCOUNT = (
+    2.0**-60
+)  # of the largest coefficient: below it a coefficient that may be 0 is 0 to floats
 
 
 _RECIPROCALS: dict[type[Expr], type[Expr]] = {sp.coth: sp.tanh, sp.csch: sp.sinh}
@@ -178,7 +180,7 @@ class TaylorModel:
 
     def within(self, v: acb) -> bool:
         """Whether slip speeds are so low that the series is as good as its precision."""
-        return bool(v.abs_upper() <= (_INSIDE * self.radius) ** self.unit)
+        return bool(v.abs_upper() <= (_SHARE_OF_RADIUS_INSIDE * self.radius) ** self.unit)
 
     def ball(self, v: acb, analytic: bool) -> acb:
         """Return a ball around the values at slip speeds within the radius."""
@@ -325,7 +327,7 @@ def cancels(coefficients: Sequence[arb]) -> bool:
     """Whether coefficients of one power of v have no sum, as far as balls can say."""
     with working_precision(_BITS_OF_FLOATS):
         total, size = sum(coefficients, arb(0)), sum(map(abs, coefficients), arb(0))
-        return bool(total.abs_upper() <= _CANCELLED * size)
+        return bool(total.abs_upper() <= _RELATIVE_SIZE_OF_ZERO * size)
 
 
 @dataclass(frozen=True)
@@ -419,7 +421,10 @@ def coefficient_near_rest(expr: Expr, point: Mapping[Expr, Expr]) -> tuple[float
         reach = float(model.radius) * _INSIDE_IN_FLOATS
         coefficients = [float(c) for c in model.polynomial]
         largest = max(abs(c) * reach**k for k, c in enumerate(coefficients))
-        kept = [c if abs(c) * reach**k > _UNSEEN * largest else 0.0 for k, c in enumerate(coefficients)]
+        kept = [
+            c if abs(c) * reach**k > _COEFFICIENT_OF_NO_ACCOUNT * largest else 0.0
+            for k, c in enumerate(coefficients)
+        ]
         return reach**model.unit, RestPolynomial(model.unit, tuple([0.0] * model.low + kept))
 
 

@@ -88,7 +88,7 @@ def terms_of(mu: Expr) -> tuple[Term, ...]:
 
 _SPEED_FAR_OUT = sp.Integer(10) ** 9
 """A slip speed in m/s, far out."""
-_GROWN = 1000  # the size of a function that grows like a power, there
+_SIZE_OF_GROWING = 1000  # the size of a function that grows like a power, there
 
 
 def _cancelling(parts: Mapping[Expr, Expr]) -> list[list[Expr]]:
@@ -123,7 +123,7 @@ def _is_infinite(function: Expr, point: Mapping[Expr, Expr], *, far: bool) -> bo
         value = ball_value(function, {**point, symbols.v: _SPEED_FAR_OUT})
     except (InputError, ValueError, ZeroDivisionError):
         return False
-    return bool(value.is_finite() and abs(value.real) > _GROWN)
+    return bool(value.is_finite() and abs(value.real) > _SIZE_OF_GROWING)
 
 
 def _shared_power_sets(strengths: Sequence[Mapping[Expr, object]]) -> list[set[Expr]]:

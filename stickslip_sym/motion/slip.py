@@ -121,8 +121,11 @@ _FEW_SLIPS, _FEW_STATES = (
     8,
     1000,
 )  # slips, and states, up to which plain Python is as fast as loading compiled code
-_BATCH = 4000  # slips that a thread takes at once, mostly some hundredths of a second compiled
-_FIRST, _BETWEEN_LOOKS = 1, 0.05  # slips before the first look at a time limit, and seconds between two looks
+_SLIPS_A_BATCH = 4000  # slips that a thread takes at once, mostly some hundredths of a second compiled
+_SLIPS_BEFORE_LOOK, _BETWEEN_LOOKS = (
+    1,
+    0.05,
+)  # slips before the first look at a time limit, and seconds between two looks
 
 
 @dataclass(frozen=True)
@@ -280,7 +283,7 @@ class NondimensionalOscillator:
         sides, u, none = columns[2], columns[2] * columns[6], np.zeros(columns.shape[1:])
         rows = np.column_stack([none + SlipEnd.LATE, none, q, w, sides, *[none] * 4, q, q, u, u])
         halves = min(float(np.max(passes, initial=0)), horizon / math.pi)
-        batch = math.ceil(_BATCH / (1.0 + halves))
+        batch = math.ceil(_SLIPS_A_BATCH / (1.0 + halves))
         settings = rtol, int(until), level
         self.spread(_follow_all, [*columns], settings, rows, few=few, batch=batch, workers=workers)
         return Slip(*rows.T)
@@ -319,7 +322,7 @@ class NondimensionalOscillator:
 
     def spread(
         self, loop: Callable[..., None], columns: Sequence[FloatArray], settings: tuple[Any, ...],
-        rows: FloatArray, *, few: int = _FEW_SLIPS, batch: int = _BATCH, workers: int = 1,
+        rows: FloatArray, *, few: int = _FEW_SLIPS, batch: int = _SLIPS_A_BATCH, workers: int = 1,
     ) -> None:  # fmt: skip
         """Carry out a loop over many motions, compiled where numba is there and they are more than a few.
 
@@ -333,7 +336,7 @@ class NondimensionalOscillator:
         run = compiled(loop) if fast else loop
 
         def carry_out(some: slice) -> bool:
-            low, count = some.start, _FIRST if fast and time_left() < math.inf else length
+            low, count = some.start, _SLIPS_BEFORE_LOOK if fast and time_left() < math.inf else length
             while low < some.stop and not (low and is_late()):
                 motions, begin = slice(low, min(low + count, some.stop)), time_left()
                 part = tuple(np.array(column[motions], dtype=np.float64) for column in columns)

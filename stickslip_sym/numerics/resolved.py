@@ -37,7 +37,7 @@ from stickslip_sym.numerics.subdivide import (
 
 NODES = 17
 """Samples of an interval."""
-_TAIL = 3  # last coefficients, that must vanish
+_TAIL_LENGTH = 3  # last coefficients, that must vanish
 _ERRORS_OF_COEFFICIENT = 4.0  # errors of its values, by which a coefficient may be off
 _LEAST_WIDTH = 1e-11  # width of an interval over the range: it holds a jump, or the end of a stretch without value
 _ERROR_THAT_HIDES_ROOTS = 1e3  # times what was asked for, above which an error may hide roots,
@@ -288,7 +288,7 @@ def fit_polynomial(low: float, high: float, row: Column, rtol: float) -> Decisio
         return _estimated(row)
     coefficients = values @ grid(NODES).coefficients
     error = float(_ERRORS_OF_COEFFICIENT * row.errors.max() + rtol * np.abs(values).max())
-    if tail(coefficients, _TAIL) > error:
+    if tail(coefficients, _TAIL_LENGTH) > error:
         return _estimated(row)
     return Accept(Piece(low, high, coefficients, error))
 
@@ -312,7 +312,7 @@ def _sketched(low: float, high: float, row: Column, rtol: float) -> tuple[Decisi
     if not np.isfinite(values).all():
         return fit_polynomial(low, high, row, rtol), math.inf
     coefficients = values @ grid(NODES).coefficients
-    last = float(tail(coefficients, _TAIL))
+    last = float(tail(coefficients, _TAIL_LENGTH))
     piece = Piece(low, high, coefficients, float(_ERRORS_OF_COEFFICIENT * row.errors.max() + last))
     sides = [turn.value for turn in piece.turns]
     largest, limit = max(map(abs, sides)), min(map(abs, sides)) / _ERRORS_OF_TURNS

@@ -12,7 +12,7 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.output.layout import LINE, displayed, width
 from stickslip_sym.output.notation import look, notation_of
 from stickslip_sym.output.printing import latex, latex_value
-from stickslip_sym.output.tables import WIDTH
+from stickslip_sym.output.tables import TERMINAL_WIDTH
 from stickslip_sym.output.text_printer import text
 
 _LETTERS = "qphrwgz"
@@ -86,7 +86,7 @@ def indented_equation(left: str, expr: Expr) -> str:
 
 def _wrapped(left: str, expr: Expr) -> str:
     return fill(
-        f"{left} = {text(expr)}", WIDTH, initial_indent=_INDENT, subsequent_indent=3 * _INDENT,
+        f"{left} = {text(expr)}", TERMINAL_WIDTH, initial_indent=_INDENT, subsequent_indent=3 * _INDENT,
         break_long_words=False, break_on_hyphens=False,
     )  # fmt: skip
 

@@ -23,7 +23,7 @@ from stickslip_sym.output.notation import distinct_notation, latex_name, look
 from stickslip_sym.output.text_printer import Readable, decimal, is_over_decimal, spellings
 
 _SHORT_SUM = 30  # characters of LaTeX without braces and styles, of a sum that may stand on a fraction
-_SHORT = 48  # of one that may stand there alone, and that one pair of brackets holds in a line
+_SHORT_CHARACTERS = 48  # of one that may stand there alone, and that one pair of brackets holds in a line
 _NAMED = CONSTANTS.keys() - {sp.E, sp.I}  # E and I are printed by methods of their own
 _NUMBER, _FORCE, _SYMBOL, _SPEED, _SUM, _EXP, _FUNCTION, _OTHER = range(8)
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|\s+|.", re.S)
@@ -77,7 +77,7 @@ def bracketed(inner: str) -> str:
     opening, closing = (r"\{", r"\}") if "[" in inner else ("[", "]") if "(" in inner else ("(", ")")
     if _TALL.search(inner):
         # Lines may break between brackets of a given size, not between \left and \right.
-        sizes = (r"\left", r"\right") if _length(inner) < _SHORT else (r"\biggl", r"\biggr")
+        sizes = (r"\left", r"\right") if _length(inner) < _SHORT_CHARACTERS else (r"\biggl", r"\biggr")
     elif opening != "(" or r"\sqrt" in inner:
         sizes = (r"\bigl", r"\bigr")
     else:
@@ -208,7 +208,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             return f"{numerator}/{held(denominator, Binding.FACTOR)}"
         head = [factor for factor in top if self._place(factor)[0] <= _SPEED or self._is_short(factor)]
         tail = [factor for factor in top if factor not in head]
-        if not head and above == 1 and len(tail) == 1 and _length(self._print(tail[0])) < _SHORT:
+        if not head and above == 1 and len(tail) == 1 and _length(self._print(tail[0])) < _SHORT_CHARACTERS:
             head, tail = tail, []
         with self._flat():
             fraction = f"\\frac{{{self._row(above, head)}}}{{{denominator}}}"

@@ -13,20 +13,20 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.notation import latex_name
 
 LINE = 341.0  # points in 120 mm
-_NUMBER = 32.0  # of them for the number of the equation
-_INDENT = 20.0
+_NUMBER_WIDTH = 32.0  # of them for the number of the equation
+_INDENT_WIDTH = 20.0
 _HANGING = 0.25  # of a line; behind a longer left side nothing is aligned
 _LEAST_PART_OF_LINE = 0.3  # of a line, before which a break at outer brackets is not worth an empty half
 
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[A-Za-z]|\d|\s+|.", re.S)
-_LETTERS = (
+_LETTER_WIDTHS = (
     *(5.3, 4.3, 4.4, 5.3, 4.7, 5.6, 4.8, 5.8, 3.5, 4.2, 5.3, 3.0, 8.8),
     *(6.1, 4.9, 5.1, 4.6, 4.6, 4.7, 3.7, 5.8, 4.9, 7.2, 5.8, 5.0, 4.7),
     *(7.5, 7.6, 7.6, 8.3, 7.7, 7.6, 7.9, 8.9, 5.0, 6.4, 8.9, 6.9, 10.5),
     *(8.9, 7.7, 7.6, 8.0, 7.6, 6.5, 7.1, 7.6, 7.7, 10.5, 8.6, 7.7, 7.3),
 )
 _WIDE = {
-    **dict(zip(ascii_letters, _LETTERS, strict=True)), **dict.fromkeys(digits, 5.0),
+    **dict(zip(ascii_letters, _LETTER_WIDTHS, strict=True)), **dict.fromkeys(digits, 5.0),
     "+": 12.3, "-": 12.3, "=": 13.4, "<": 13.4, ">": 13.4, ",": 4.5, ";": 4.5, "/": 5.0, "(": 3.9, ")": 3.9,
     "[": 2.8, "]": 2.8, "'": 2.8, r"\{": 5.0, r"\}": 5.0, r"\alpha": 6.4, r"\beta": 5.9, r"\gamma": 5.5,
     r"\delta": 4.6, r"\theta": 4.7, r"\mu": 6.1, r"\pi": 5.8, r"\eta": 5.0, r"\int": 11.2, r"\infty": 10.0,
@@ -48,7 +48,7 @@ _WITH_ARGUMENTS: dict[str, tuple[int, Callable[..., float]]] = {
     **dict.fromkeys("^_", (1, lambda script: 0.76 * script + 0.6)),
 }  # fmt: skip
 """How many arguments a command has, and its width from theirs."""
-_WIDEST_GREEK, _OTHER = 6.6, 5.3  # of the small letters, and of signs such as | and *
+_WIDEST_GREEK, _OTHER_WIDTH = 6.6, 5.3  # of the small letters, and of signs such as | and *
 _DEPTHS = {"(": 1, "[": 1, r"\{": 1, ")": -1, "]": -1, r"\}": -1}
 _FIXED = {r"\left": 1, r"\begin": 1, r"\right": -1, r"\end": -1}
 
@@ -73,7 +73,7 @@ def _part(tokens: Sequence[str], i: int) -> tuple[float, int]:
         return 0.0, i
     count, of_arguments = _WITH_ARGUMENTS.get(token, (0, float))
     if not count:
-        return _WIDE.get(token, _WIDEST_GREEK if token.startswith("\\") else _OTHER), i
+        return _WIDE.get(token, _WIDEST_GREEK if token.startswith("\\") else _OTHER_WIDTH), i
     arguments = []
     for _ in range(count):
         argument, i = _part(tokens, i)
@@ -89,17 +89,17 @@ def displayed(left: str, right: str, *, relation: str = "=", label: str = "", ta
     - `label`: to number it and refer to it.
     - `tag`: to be printed instead of a number.
     """
-    line = LINE - (_NUMBER if label or tag else 0.0)
+    line = LINE - (_NUMBER_WIDTH if label or tag else 0.0)
     begin = f"{left} {relation} "
     if width(begin + right) <= line:
         body = f"  {begin}{right}"
     else:
         if width(begin) <= _HANGING * line:
-            rows = _broken(right, line - width(begin), line - width(begin) - _INDENT)
+            rows = _broken(right, line - width(begin), line - width(begin) - _INDENT_WIDTH)
             rows = [f"{left} &{relation} {rows[0]}", *(f"&\\quad {row}" for row in rows[1:])]
         else:
-            above = _broken(left, line, line - _INDENT)
-            below = _broken(right, line - 2 * _INDENT, line - 2 * _INDENT)
+            above = _broken(left, line, line - _INDENT_WIDTH)
+            below = _broken(right, line - 2 * _INDENT_WIDTH, line - 2 * _INDENT_WIDTH)
             rows = ["& " + above[0], *(f"&\\quad {row}" for row in above[1:])]
             rows += [f"&\\quad {{}}{relation} {below[0]}", *(f"&\\qquad {row}" for row in below[1:])]
         inner = " \\\\\n  ".join(rows)

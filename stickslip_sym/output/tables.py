@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 from textwrap import wrap
 
-WIDTH = 80  # characters of a line, where there is no terminal that is wider
+TERMINAL_WIDTH = 80  # characters of a line, where there is no terminal that is wider
 
 
 _BLANKS_BETWEEN_COLUMNS = 2  # blanks between columns
@@ -21,8 +21,8 @@ _EQUALS = "\0=\0"  # stands for " = " while lines are broken
 def aligned_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return rows of text under a header, in aligned columns with no trailing blanks.
 
-    It is no wider than the terminal, without one than `WIDTH`, or than numbers of many digits ask for; longer
-    cells go on below, and nothing is cut.
+    It is no wider than the terminal, without one than `TERMINAL_WIDTH`, or than numbers of many digits ask for;
+    longer cells go on below, and nothing is cut.
     """
     from rich.console import Console
     from rich.table import Table
@@ -36,7 +36,9 @@ def aligned_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
         shown.add_column(name, overflow="fold", no_wrap=0 < number == max(map(len, column)))
     for row in rows:
         shown.add_row(*row)
-    width = None if sys.stdout.isatty() else max(WIDTH, _BESIDE_NUMBERS + sum(numbers) if any(numbers) else 0)
+    width = (
+        None if sys.stdout.isatty() else max(TERMINAL_WIDTH, _BESIDE_NUMBERS + sum(numbers) if any(numbers) else 0)
+    )
     # In Jupyter Rich would show a box of its own, and an empty one, as what is printed is kept.
     console = Console(width=width, markup=False, emoji=False, highlight=False, force_jupyter=False)
     with console.capture() as captured:
@@ -45,11 +47,12 @@ def aligned_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def fitted(text: str) -> str:
-    """Return text whose lines fit the terminal, without one `WIDTH`: a longer one goes on below, indented.
+    """Return text whose lines fit the terminal, without one `TERMINAL_WIDTH`: a longer one goes on below,
+    indented.
 
     An equation of a name and a number stays together, and so does a long word; rows of tables fit already.
     """
-    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else WIDTH
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else TERMINAL_WIDTH
     lines = list[str]()
     for line in text.split("\n"):
         if _ROW.search(line):

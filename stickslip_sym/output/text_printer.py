@@ -17,7 +17,7 @@ from stickslip_sym.core.functions import elementary
 
 _LEAST_DENOMINATOR = 100  # least denominator of a decimal; a smaller one is read at a glance
 _AMONG_DECIMALS = 5  # the same in a formula that has decimals: 0.4 beside 0.07, and 1/3
-_COMPUTED = 2**20  # least denominator of a binary number that was computed, not written
+_LEAST_COMPUTED_DENOMINATOR = 2**20  # least denominator of a binary number that was computed, not written
 _LONGEST_DECIMAL = 24  # characters
 _MOST_DIGITS = 400
 
@@ -95,7 +95,7 @@ def decimal(number: Expr, *, shortest: bool = False, least: int = _LEAST_DENOMIN
         with localcontext(prec=_MOST_DIGITS):
             text = f"{Decimal(int(number.p)) / Decimal(int(number.q)):f}"
         return text if len(text) <= _LONGEST_DECIMAL else ""
-    is_double = shortest and number.q >= _COMPUTED and number.q & (number.q - 1) == 0
+    is_double = shortest and number.q >= _LEAST_COMPUTED_DENOMINATOR and number.q & (number.q - 1) == 0
     if is_double and Fraction(float(number)) == Fraction(int(number.p), int(number.q)):
         return f"{Decimal(repr(float(number))):f}"
     return ""

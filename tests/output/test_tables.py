@@ -45,7 +45,7 @@ def test_cells_of_a_table_are_read_back(seed):
     header = ["row", *(f"h{number}" for number in range(chance.randint(1, 4)))]
     rows = [[str(row), *(cell(chance) for _ in header[1:])] for row in range(chance.randint(1, 5))]
     text = tables.aligned_table(header, rows)
-    assert max(map(len, text.splitlines())) <= tables.WIDTH
+    assert max(map(len, text.splitlines())) <= tables.TERMINAL_WIDTH
     assert read(text, header) == [[content.replace(" ", "") for content in row] for row in rows]
     assert not re.search(r" $", text, re.M)
 
@@ -77,7 +77,7 @@ def test_a_long_formula_can_be_read_back(seed):
             assert name not in known
             known[name] = read_text(value, known)
         assert mpmath.almosteq(known["c"], read_text(text, POINT), rel_eps=1e-30)
-    assert max(map(len, shown.splitlines())) <= max(tables.WIDTH, 400 if len(text) <= 400 else 0) + 6
+    assert max(map(len, shown.splitlines())) <= max(tables.TERMINAL_WIDTH, 400 if len(text) <= 400 else 0) + 6
     if "where" not in shown:
         assert "".join(shown.split()) == "".join(f"c={text}".split())
 

@@ -80,6 +80,14 @@ SAME_FUNCTIONS = {
     "main": "the entry point, and what it runs once all is imported",
     "run": "a command of the file's name",
 }
+SAME_NUMBERS = {
+    "_HEIGHT": "of a picture",
+    "_HIGHEST_ROOT": "index of a root that is written as one",
+    "_LONGEST_NAME": "characters of the name of a law in a picture or a heading",
+    "_SEED": "of random numbers",
+    "_SIZE": "of a picture",
+    "_WIDTH": "of a picture",
+}
 
 
 @cache
@@ -120,6 +128,27 @@ def test_no_function_name_stands_twice_but_of_one_interface():
     twice = twins(owners(ast.FunctionDef))
     assert {name: places for name, places in twice.items() if name not in SAME_FUNCTIONS} == {}
     assert sorted(set(SAME_FUNCTIONS) - set(twice)) == []  # reasons for what is gone
+
+
+def numbers():
+    """Return the modules that define each constant whose value is a number, or some."""
+    found = defaultdict(set)
+    for path, tree in trees().items():
+        for node in (node for node in tree.body if isinstance(node, ast.Assign)):
+            try:
+                value = ast.literal_eval(node.value)
+            except ValueError:
+                continue
+            if all(type(one) in (int, float) for one in (value if isinstance(value, tuple) else (value,))):
+                for name in (part.id for part in ast.walk(node.targets[0]) if isinstance(part, ast.Name)):
+                    found[name].add(path)
+    return found
+
+
+def test_no_name_of_a_number_means_two_things():
+    twice = twins(numbers())
+    assert {name: places for name, places in twice.items() if name not in SAME_NUMBERS} == {}
+    assert sorted(set(SAME_NUMBERS) - set(twice)) == []
 
 
 def test_no_function_begins_with_a_preposition():

@@ -66,11 +66,11 @@ from stickslip_sym.numerics.subdivide import (
 
 # What each is worth, in seconds, panels and digits, `tests/benchmarks/measure_branches.py` prints.
 _EPSILON = float(np.finfo(np.float64).eps)
-_NEGLIGIBLE = 2.0**-57  # of a value: what a polynomial may leave out
+_NEGLIGIBLE_OF_VALUE = 2.0**-57  # of a value: what a polynomial may leave out
 _CONDITION = {-1: 1.5, 1: 4.0}
 """Of a series at rest, and far out: the sum of its terms' sizes over the size of the sum, before balls decide."""
 _ALLOWED_UNITS = 2.75  # of eps <|g'|>, by which a formula may differ from balls
-_WRITTEN = 16  # of the same, by which what is written as code may differ from the definition
+_ALLOWED_IN_CODE = 16  # of the same, by which what is written as code may differ from the definition
 
 _OCTAVES_BEYOND_SCALES = 40  # octaves beyond all scales of a profile up to which a closed form is compared
 _WAVING = (5, 3)  # the same of a profile that waves for ever, whose table ends there
@@ -82,13 +82,13 @@ _OCTAVES = (0.0, *(0.4 * 1.6**k for k in range(9)))
 
 _BRANCH_NODES = 19  # of a panel
 _SMOOTH = 0.5 * _EPSILON  # of <|g'|>: the last coefficients of a panel
-_BETWEEN = (-0.9999, 0.61803)
+_PLACES_COMPARED = (-0.9999, 0.61803)
 """From a panel's middle, over half its width: where it is compared with balls. Its very end may be a kink."""
 _PANELS = 500  # at most; what takes more waves for ever
 _AT_KINK = 4 * _EPSILON  # relative: what products of a belt speed and powers of parameters are rounded by
 _NEAR_KINK = 1.25  # times r at a kink: up to there the panel's variable is the square root
 
-_POINTS = 16  # in an octave, at which a closed form is compared
+_POINTS_AN_OCTAVE = 16  # in an octave, at which a closed form is compared
 
 
 @lru_cache(maxsize=256)
@@ -135,7 +135,7 @@ def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Ma
         if not all(side.is_finite() and float(side.rad()) <= _EPSILON * size for side in sides):
             continue  # infinite at rest, or not enclosed: there is nothing to compare with
         exact = reduce(arb.union, sides)
-        if not float((exact - arb(value)).abs_lower()) <= _WRITTEN * _EPSILON * size + SMALLEST:
+        if not float((exact - arb(value)).abs_lower()) <= _ALLOWED_IN_CODE * _EPSILON * size + SMALLEST:
             return Verdict(Status.REFUTED, f"{value} at r = {r:g}, and by definition {float(exact)}")
         count += 1
     if not count:
@@ -349,12 +349,12 @@ class _Builder:
             return None
         if not self.local and not all(_is_fast(function) for function in self.closed.atoms(sp.Function)):
             return None
-        octaves = np.arange(-4, np.log2(stop), 1 / _POINTS)
+        octaves = np.arange(-4, np.log2(stop), 1 / _POINTS_AN_OCTAVE)
         r = 2.0 ** octaves[::-1]
         for spelling in (sp.expand(self.closed), self.closed):  # expanded, 1 - exp(-V) may become exp(V) - 1
             branch = _as_sum(spelling)
             count = 0 if branch is None else self._agreed(branch, r)
-            if branch is not None and count >= _POINTS // 2:  # fewer may be luck
+            if branch is not None and count >= _POINTS_AN_OCTAVE // 2:  # fewer may be luck
                 return float(r[count - 1]), branch
         return None
 
@@ -429,7 +429,7 @@ class _Builder:
         if self.local and not self.values.bounded(left, right, max(abs(float(x)) for x in values)):
             return HALVE
         powers = grid.powers(coefficients)
-        for t in _BETWEEN:
+        for t in _PLACES_COMPARED:
             if not abs(float(powers(arb(t)) - value_at(arb(t)))) <= _ALLOWED_UNITS * _EPSILON * size:
                 return HALVE
         row = [float(powers[k]) for k in range(_BRANCH_NODES)]
@@ -465,7 +465,7 @@ def _terms_that_count(series: GeneralisedSeries, x: arb, unit: int, condition: f
     total, size = sum(shares.values()), sum(map(abs, shares.values()))
     if not size <= condition * abs(total):
         return {} if not series.terms and series.top == math.inf else None
-    least = _NEGLIGIBLE * abs(total)
+    least = _NEGLIGIBLE_OF_VALUE * abs(total)
     late = series.top - (series.top - series.low) / 4 if series.top < math.inf else math.inf
     if any(e >= late and abs(share) > least for (e, _), share in shares.items()):
         return None

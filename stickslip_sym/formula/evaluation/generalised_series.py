@@ -23,7 +23,7 @@ from stickslip_sym.core.special import Erfcx
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.taylor_model import Bound, ExpansionAlgebra, NotAnalytic
 
-_TERMS = 30
+_SERIES_TERMS = 30
 """Terms of a series: (1/4)^30 < 2^-57, so that it holds up to a quarter of its radius of convergence."""
 _EXPONENT_STEP = (
     2.0**-60
@@ -53,8 +53,8 @@ class GeneralisedSeries:
     def of(cls, terms: Powers, top: float) -> "GeneralisedSeries":
         """Return a series without zeros, cut where it has more terms than are kept."""
         keys = sorted(key for key, value in terms.items() if value != 0 and key[0] < top)
-        if len(keys) > _TERMS:
-            top = min(top, keys[_TERMS][0])
+        if len(keys) > _SERIES_TERMS:
+            top = min(top, keys[_SERIES_TERMS][0])
         return cls({key: terms[key] for key in keys if key[0] < top}, top)
 
     @property
@@ -140,7 +140,7 @@ class _GeneralExpansion(ExpansionAlgebra[GeneralisedSeries]):
     """The algebra of generalised series in x = v, or in x = 1/v far out."""
 
     def __init__(self, point: Mapping[Expr, Expr], unit: int, far: bool) -> None:
-        super().__init__(point, GeneralisedSeries({(-unit if far else unit, 0): arb(1)}), _TERMS)
+        super().__init__(point, GeneralisedSeries({(-unit if far else unit, 0): arb(1)}), _SERIES_TERMS)
         self.unit, self.far = unit, far
 
     def __call__(self, node: Expr, parts: list[GeneralisedSeries]) -> GeneralisedSeries:
@@ -177,7 +177,7 @@ class _GeneralExpansion(ExpansionAlgebra[GeneralisedSeries]):
             quarter = GeneralisedSeries({(0, 0): (arb.pi() if positive else -arb.pi()) / 2})
             return quarter + self.function(known, self.power(inner, sp.S.NegativeOne)).scaled(arb(-1))
         if kind is Erfcx and positive:
-            return self.power(inner, sp.S.NegativeOne).inserted_in(_erfcx_coefficients(_TERMS))
+            return self.power(inner, sp.S.NegativeOne).inserted_in(_erfcx_coefficients(_SERIES_TERMS))
         if kind is sp.exp and positive:
             return _SUPERPOLYNOMIAL
         limit = _LIMITS.get(kind, (None, None))[positive]

@@ -63,7 +63,7 @@ _BITS_OF_CLOSED_FORM = 4 - math.log2(
 )  # bits of relative accuracy that a value of the closed form needs
 _NOISE_RADII = 8
 """Times the radius of a ball around the slope: where the slope cancels no piece is resolved better."""
-_MOST_PIECES = 80  # in an octave: a value takes all of them, and a table takes thousands of values
+_MOST_PIECES_AN_OCTAVE = 80  # in an octave: a value takes all of them, and a table takes thousands of values
 _MOST_WORK = 20_000  # pieces that all values may take, for each kink: some seconds; balls give single values then
 _OVERSHOOT = 4  # times the largest slope at the nodes of a piece, which no slope between them may exceed
 _QUARTERS = 5  # halvings of a piece for balls that bound its slope
@@ -269,7 +269,7 @@ class ReferenceAverage:
         def look(intervals: Sequence[Interval[arb, None]]) -> list[Decision[_Piece, None]]:
             return [self._polynomial(one.low, one.high, below) for one in intervals]
 
-        limits = DivisionLimits(WorkBudget(_MOST_PIECES))
+        limits = DivisionLimits(WorkBudget(_MOST_PIECES_AN_OCTAVE))
         return subdivide([(low, high)], look, limits=limits, cut=exact_middle, to_first_open=True).complete()
 
     def _polynomial(self, low: arb, high: arb, below: arb) -> Decision[_Piece, None]:

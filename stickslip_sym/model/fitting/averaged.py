@@ -12,7 +12,7 @@ from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.data import DataResult, TableResult, columns_of
 
-_USUAL = 0.95  # probability of an interval
+USUAL_PROBABILITY = 0.95  # probability of an interval
 _PROBABILITIES = (np.arange(400) + 0.5) / 400  # probabilities at which the narrower of two errors is averaged over
 _SHARP = 1e-300  # a standard error in place of 0
 _BRACKET_LIKELIHOOD_RATIO = 100  # times less likely than the ends of an interval: there it is bracketed
@@ -140,7 +140,7 @@ class Averaged(TableResult):
     def _table_columns(self) -> dict[str, list[Any]]:
         return columns_of(self.rows, "law", "weight", "value", "standard_error")
 
-    def interval(self, level: float = _USUAL) -> tuple[float, float]:
+    def interval(self, level: float = USUAL_PROBABILITY) -> tuple[float, float]:
         """Return the interval that holds the quantity with a probability, averaged over laws.
 
         If friction may build up from 0 where it was not measured, it reaches down to what it is then.
@@ -158,7 +158,7 @@ class Averaged(TableResult):
 
         return end((1 + level) / 2) - self.unmeasured, end((1 - level) / 2)
 
-    def range(self, level: float = _USUAL) -> tuple[float, float]:
+    def range(self, level: float = USUAL_PROBABILITY) -> tuple[float, float]:
         """Return from where to where such intervals of all laws reach together, each by its law alone.
 
         If friction may build up from 0 where it was not measured, they reach down to what it is then.

@@ -33,15 +33,17 @@ _STARTS = 4  # different ones; for most laws the best few of the trials lead to 
 _ROWS_TO_BIN = 1000
 """Rows, from which starts lead to a minimum of the means of bins, and the best to one of all rows."""
 _BINS = 300
-_SINGULAR = 1e-7  # least singular value of the scaled derivatives over the largest: a smaller one has no effect
+_LEAST_SINGULAR_VALUE = 1e-7
+"""Least singular value of the scaled derivatives over the largest: a smaller one has no effect."""
 _SAME_MINIMUM = 1e-8
 """Relative difference of two sums of squares that are one minimum; two starts in it are enough."""
 _ERROR_OF_UNMEASURED = 100.0
 """Relative standard error, beyond which a parameter that is not linear was not measured."""
-_LOOSE = 0.5  # relative standard error of a positive parameter that is worth a warning
+_ERROR_WORTH_A_WARNING = 0.5  # relative standard error of a positive parameter that is worth a warning
 _MIXED = 0.1  # part in the direction without effect, over the largest: smaller parts are not named
-_ALIKE = 0.999  # correlation of two parameters that is worth a warning
-_UNLIKELY = 1e-3  # probability of what residuals show, if what is assumed of them holds, that is worth a warning
+_CORRELATION_WORTH_A_WARNING = 0.999  # correlation of two parameters that is worth a warning
+_PROBABILITY_WORTH_A_WARNING = 1e-3
+"""Probability of what residuals show, if what is assumed of them holds, that is worth a warning."""
 _DESCRIBES = 0.01  # probability of what two further terms explain, below which a law does not describe the rows
 _FEWEST_ROWS_CORRELATED = 8  # rows, up to which no correlation stands out
 _JUMPS = 1e-6  # of the largest mu, between just below and just above a place
@@ -186,7 +188,7 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
     if not effective.all():
         raise _undetermined(names, place[~effective][:1], p)
     _, singular, rows_of_v = np.linalg.svd(derivatives / sizes, full_matrices=False)
-    if smooth.any() and singular[-1] <= _SINGULAR * singular[0]:
+    if smooth.any() and singular[-1] <= _LEAST_SINGULAR_VALUE * singular[0]:
         part = np.abs(rows_of_v[-1])
         strength = np.zeros(k)
         strength[smooth] = sizes * p[smooth]
@@ -218,7 +220,7 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
         covariance[i, i] = ((high - low) / 2 / NORMAL) ** 2
     errors = np.sqrt(np.diag(covariance))
     for i in np.flatnonzero(smooth & ~problem.linear & (errors > _ERROR_OF_UNMEASURED * np.abs(p))):
-        alike = np.abs(covariance[i]) > _ALIKE * errors[i] * errors
+        alike = np.abs(covariance[i]) > _CORRELATION_WORTH_A_WARNING * errors[i] * errors
         raise _undetermined(names, np.flatnonzero(alike), p / np.maximum(errors, np.finfo(float).tiny))
     warned = [*_warnings(problem, p, covariance, noise, chi_squared), *_rivals(fitted, rivals)]
     warned += _notes_on_rest(law.bind(**values), measured)
@@ -379,7 +381,11 @@ def _lack_of_fit(problem: Problem, p: FloatArray, derivatives: FloatArray) -> It
         rounding_variance(measured),
     )
     if chance is not None and chance < _DESCRIBES:
-        least = f"{chance:.1g}" if chance >= _UNLIKELY else f"less than {_UNLIKELY:g}"
+        least = (
+            f"{chance:.1g}"
+            if chance >= _PROBABILITY_WORTH_A_WARNING
+            else f"less than {_PROBABILITY_WORTH_A_WARNING:g}"
+        )
         yield (
             "the law does not describe the measurements: residuals follow the speed as noise would with a "
             f"probability of {least}; take another law"
@@ -397,13 +403,13 @@ def _warnings(
                 f"{name} is held at its bound 0, where the measurements ask for less; fix it, "
                 f"{ParameterValues({name: 0})}, or, if any sign is meant, {AnySign(name)}"
             )
-        elif problem.positive[i] and errors[i] > _LOOSE * p[i]:
+        elif problem.positive[i] and errors[i] > _ERROR_WORTH_A_WARNING * p[i]:
             yield (
                 f"{name} = {p[i]:.3g} has a standard error of {errors[i]:.2g}: these measurements hardly "
                 f"determine it; fix it, {ParameterValues.of(name)}, or take a law without it"
             )
     for i, j in combinations(np.flatnonzero(errors).tolist(), 2):
-        if abs(alike := covariance[i, j] / errors[i] / errors[j]) > _ALIKE:
+        if abs(alike := covariance[i, j] / errors[i] / errors[j]) > _CORRELATION_WORTH_A_WARNING:
             yield (
                 f"{names[i]} and {names[j]} are hardly distinguished, correlation {alike:.4f}; fix one: "
                 f"{ParameterValues.of(names[j])}"
@@ -419,12 +425,12 @@ def _warnings(
         )
     known = measured.sigma is not None
     size = f"residuals are {np.sqrt(chi_squared / dof):.2g}{' times sigma' if known else ''}"
-    if known and chdtrc(dof, chi_squared / inflation) <= _UNLIKELY:
+    if known and chdtrc(dof, chi_squared / inflation) <= _PROBABILITY_WORTH_A_WARNING:
         yield (
             f"{size}: the law does not describe the measurements, or sigma is too small; the standard errors rest "
             "on sigma"
         )
-    elif known and chdtr(dof, chi_squared) <= _UNLIKELY:
+    elif known and chdtr(dof, chi_squared) <= _PROBABILITY_WORTH_A_WARNING:
         means = " and the file counts them," if measured.counts is not None else ""
         yield (
             f"{size}: sigma is too large; if each mu is the mean of n values,{means} and sigma is the standard "
@@ -443,7 +449,7 @@ def _warnings(
     if repeats > 0 and shapes > 0 and scatter > 0:
         ratio = (chi_squared - scatter) / shapes / (scatter / repeats)
         # Along the speed, a law that does not describe them is what correlates the residuals.
-        if fdtrc(shapes, repeats, ratio / noise.along_the_file) <= _UNLIKELY:
+        if fdtrc(shapes, repeats, ratio / noise.along_the_file) <= _PROBABILITY_WORTH_A_WARNING:
             yield (
                 f"the law does not describe the measurements: {size}, and repeats at one speed scatter by "
                 f"{np.sqrt(scatter / repeats):.2g}; take another law"

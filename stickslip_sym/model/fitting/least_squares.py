@@ -17,7 +17,7 @@ from stickslip_sym.model.fitting.features import PHASES, SearchGrid, features_of
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
 
-_AT_REST = 1e-200  # m/s, in place of 0, where a power of v has no derivative with respect to its exponent
+_SPEED_AT_REST = 1e-200  # m/s, in place of 0, where a power of v has no derivative with respect to its exponent
 _TOLERANCE = 1e-11  # relative, of the sum of squares and of the values; rounding allows 1e-14
 _ROUNDING_OF_COSINE = 1e-15  # cosine of the angle between residuals and derivatives that is 0
 _CONVERGED = range(1, 5)  # what `leastsq` returns where one of its tolerances is met
@@ -35,7 +35,7 @@ _LOG_DISTANCE_OF_STARTS = 0.7  # natural logarithms by which some value differs 
 _APART_ON_A_GRID = 0.01  # the same, of a place or a frequency, beside which another minimum may be
 _FEWEST_TRIALS = 4  # of places and frequencies, each from another begin of the others
 _RIDGE = 1e-10  # of scaled normal equations, where two columns are one
-_BATCH = 500_000  # residuals of a grid that are computed at a time
+_RESIDUALS_A_BATCH = 500_000  # residuals of a grid that are computed at a time
 _GAPS_LOOKED_AT = 60  # gaps between speeds on either side, among which a place is looked for again
 _BETTER = 1e-9  # relative fall of a sum of squares that is worth another descent
 _BEST_OF_GRID = 2  # neighbours, each with the same wave half a turn on, which bounds of its height may ask for
@@ -74,7 +74,7 @@ class Problem:
         self.positive = np.array([used[name].positive for name in self.names], dtype=bool)
         self.linear = np.array([symbol in linear for symbol in free], dtype=bool)
         self._units = [used[name].unit for name in self.names]
-        self._v, self._weights = np.maximum(measured.v, _AT_REST), measured.weights
+        self._v, self._weights = np.maximum(measured.v, _SPEED_AT_REST), measured.weights
         self._mu = measured.project_out_branches(self._weights * measured.mu)
         self.sought = np.flatnonzero(~self.linear).tolist()
         self.features = features_of(law.expr, free, bound, self.sought, measured.speeds)
@@ -190,7 +190,7 @@ class Problem:
 
     def _misfits(self, points: FloatArray) -> FloatArray:
         """Return the sum of squares at each of many values, least over the linear ones of any sign."""
-        size, misfits = max(1, _BATCH // len(self._v)), list[FloatArray]()
+        size, misfits = max(1, _RESIDUALS_A_BATCH // len(self._v)), list[FloatArray]()
         for first in range(0, len(points), size):
             columns = list(np.where(self.linear, 0.0, points[first : first + size]).T[:, :, None])
             target = self._mu - self._weighted(self._value, columns)[0]
@@ -245,7 +245,7 @@ class Problem:
         """Return random values where mu is not linear in them, with places and waves moved to their best."""
         rng = np.random.default_rng(_SEED)
         powers = [_power_of_speed(self._units[i]) for i in self.sought]
-        above = self._v[self._v > _AT_REST]
+        above = self._v[self._v > _SPEED_AT_REST]
         speeds = (
             (above.min() / _SPEED_RANGE_FACTOR, above.max() * _SPEED_RANGE_FACTOR) if len(above) else (0.1, 1.0)
         )

@@ -20,7 +20,7 @@ from stickslip_sym.core.names import lookup
 from stickslip_sym.core.numbers import read_array, real
 from stickslip_sym.core.uncertain import text_with_error
 from stickslip_sym.model.error_band import error_band
-from stickslip_sym.model.fitting.averaged import Averaged, ByLaw
+from stickslip_sym.model.fitting.averaged import USUAL_PROBABILITY, Averaged, ByLaw
 from stickslip_sym.model.fitting.least_squares import Problem
 from stickslip_sym.model.fitting.weights import RATHER, speeds_that_count, weigh
 from stickslip_sym.model.law import FrictionLaw
@@ -29,7 +29,6 @@ from stickslip_sym.output.content import content
 from stickslip_sym.output.data import DataResult, TableResult, columns_of
 from stickslip_sym.output.shown import Drawn, Report
 
-_USUAL = 0.95  # probability of an interval
 _SEARCHED = 64.0  # half widths by standard errors, within which the end of an interval is sought
 _NEAR_REST = 0.1  # of V: slip speeds below it are a part of 0 to 2 V that does not matter
 
@@ -157,7 +156,9 @@ class Fit(_Report, DataResult, by_identity=True):
             f"it was measured from {low:.3g} to {high:.3g} m/s"
         )
 
-    def confidence(self, level: float = _USUAL, *, profile: bool = False) -> dict[str, tuple[float, float]]:
+    def confidence(
+        self, level: float = USUAL_PROBABILITY, *, profile: bool = False
+    ) -> dict[str, tuple[float, float]]:
         """Return an interval for each fitted parameter that holds the true value with a probability.
 
         Parameters
@@ -178,7 +179,7 @@ class Fit(_Report, DataResult, by_identity=True):
         intervals = dict[str, tuple[float, float]]()
         for (name, value), error in zip(self.values.items(), self.standard_errors.values(), strict=True):
             half = quantile * error
-            if level == _USUAL and name in self.jump_intervals:
+            if level == USUAL_PROBABILITY and name in self.jump_intervals:
                 intervals[name] = self.jump_intervals[name]
             elif name in self.jumps:
                 intervals[name] = self._gap(name, -1, level), self._gap(name, 1, level)

@@ -28,7 +28,7 @@ _AS_WELL = 1.3  # times the least variance of residuals
 _SIGMA_HOLDS = 0.05  # probability of the residuals of some law, above which a given sigma is believed
 _NORMAL_DOF = 1e8  # degrees of freedom that make Student's distribution the normal one
 _ROUNDING_VARIANCE = 1 / 12  # variance of a rounding error, in squares of the last decimal
-_COMPUTED = 1e-15  # of the largest coefficient: rounding of what was computed
+_ROUNDING_OF_COMPUTED = 1e-15  # of the largest coefficient: rounding of what was computed
 _ONE_CURVE = 1e-6  # of the largest coefficient, by which two curves may differ that are one
 _SPEEDS_OF_CURVE = np.geomspace(1e-3, 1.0, 50)  # of the highest measured one, where curves are compared
 
@@ -131,7 +131,7 @@ def _squares_of_means(measured: Measurements, fit: Fitted) -> float:
 def rounding_variance(measured: Measurements) -> float:
     """Return the variance of a row of weight 1 that rounding of the coefficients alone has."""
     largest = float(np.max(np.abs(measured.mu)))
-    rounding = _ROUNDING_VARIANCE * last_decimal(measured.mu) ** 2 + (_COMPUTED * largest) ** 2
+    rounding = _ROUNDING_VARIANCE * last_decimal(measured.mu) ** 2 + (_ROUNDING_OF_COMPUTED * largest) ** 2
     return max(float(np.mean(measured.weights**2)) * rounding, float(np.finfo(np.float64).tiny))
 
 

@@ -16,7 +16,7 @@ _STEP = re.compile(r"\W*(step|segment|stage|run|test|block|cycle|part|schritt|la
 _LABEL = 60  # characters of a label
 _VARIES = 0.1  # of the largest size of a column, beyond which its values vary
 _FIRST = "v", "mu", "F_t"  # quantities that are named before others
-_NAMED = 4  # columns that vary, which are named
+_COLUMNS_NAMED = 4  # columns that vary, which are named
 _IN_TIME = re.compile(r"time|zeit|date|stamp|index|no\.?|nr\.?|step|count|sample", re.IGNORECASE)
 _CONTRADICTS = 0.2  # of the mean coefficient, by which two blocks differ that measured other things
 _CERTAIN = 4.0  # standard errors of that difference
@@ -72,7 +72,7 @@ def varying(names: Sequence[str], cells: Sequence[Sequence[str]]) -> tuple[str, 
             meanings = HeaderColumn.read(name).meanings
             place = _FIRST.index(meanings[0]) if meanings and meanings[0] in _FIRST else len(_FIRST)
             found.append((place, f"{name} {values.min():.4g} to {values.max():.4g}"))
-    return tuple(text for _, text in sorted(found, key=lambda each: each[0])[:_NAMED])
+    return tuple(text for _, text in sorted(found, key=lambda each: each[0])[:_COLUMNS_NAMED])
 
 
 def _numbers(cells: Sequence[str]) -> FloatArray:

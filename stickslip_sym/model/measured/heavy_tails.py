@@ -20,14 +20,14 @@ _DEVIATIONS_OFF, _DEVIATIONS_FAR_OFF = 3.5, 6.0  # robust standard deviations: a
 _NORMAL_SHARE = 2 * float(
     ndtr(-_DEVIATIONS_OFF) - ndtr(-_DEVIATIONS_FAR_OFF)
 )  # share of rows of normal noise between these
-_UNLIKELY = 1e-6  # probability of as many rows a little off, if noise is normal
+_PROBABILITY_OF_NORMAL = 1e-6  # probability of as many rows a little off, if noise is normal
 _TAIL_RATIO = 5  # times as many as normal noise has; sizes of the noise are known to 12 % only, which doubles that
 _STRAY = 4  # rows a little off for one far off; a stray row makes its two neighbours seem so
 _DEVIATION = 1.4826  # standard deviation over the median of abs(residual), if noise is normal
 _LEAST_NOISE_IN_DECIMALS = 2  # last decimals, below which the size of noise is not resolved
 _HUBER = 1.345
 _ROWS_FOR_CURVE = 10_000  # rows for the curve: its error is then a hundredth of the noise
-_ROUNDS = 20  # of weights and curve in turn; they settle to 1e-3 in some ten
+_REWEIGHTINGS = 20  # of weights and curve in turn; they settle to 1e-3 in some ten
 
 
 def have_heavy_tails(v: FloatArray, y: FloatArray) -> bool:
@@ -42,7 +42,10 @@ def have_heavy_tails(v: FloatArray, y: FloatArray) -> bool:
     far = int((sizes >= _DEVIATIONS_FAR_OFF).sum())
     off = int((sizes >= _DEVIATIONS_OFF).sum()) - far
     expected = _NORMAL_SHARE * len(sizes)
-    return off > max(_STRAY * far, _TAIL_RATIO * expected) and float(pdtrc(off - 1, expected)) < _UNLIKELY
+    return (
+        off > max(_STRAY * far, _TAIL_RATIO * expected)
+        and float(pdtrc(off - 1, expected)) < _PROBABILITY_OF_NORMAL
+    )
 
 
 def _bends(v: FloatArray, y: FloatArray) -> FloatArray:
@@ -61,7 +64,7 @@ def huber_weights(v: FloatArray, y: FloatArray) -> FloatArray:
     columns, some = all_columns[every], y[every]
     weights: FloatArray = np.ones(len(some))
     factors = np.zeros(columns.shape[1])
-    for _ in range(_ROUNDS):
+    for _ in range(_REWEIGHTINGS):
         weighted = columns.multiply(weights[:, None]).tocsr()
         factors = np.linalg.lstsq((columns.T @ weighted).toarray(), weighted.T @ some, rcond=None)[0]
         weights = _weights_of(some - columns @ factors)

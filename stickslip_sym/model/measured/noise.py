@@ -7,8 +7,8 @@ from stickslip_sym.core.aliases import FloatArray
 _CORRELATED = 2.7  # standard deviations of a partial correlation of white noise, above which noise is correlated
 _LAGS = 4  # rows apart, up to which noise may be correlated: as many sweeps may be interleaved
 _ROWS_OF_A_LAG = 8  # of fewer for each lag, a partial correlation that is noise counts most rows away
-_MOST_DECIMALS = 9  # of coefficients that were rounded; more are those of a computation
-_WRITTEN = 1e-12  # relative to 1: what binary numbers are off decimal ones
+_MOST_ROUNDED_DECIMALS = 9  # of coefficients that were rounded; more are those of a computation
+_BINARY_ROUNDING = 1e-12  # relative to 1: what binary numbers are off decimal ones
 _MOST_CORRELATED = 0.95  # beyond it the rows are too few to tell noise from a trend
 
 
@@ -36,7 +36,7 @@ def correlation_of(e: FloatArray, k: int) -> tuple[float, float, int]:
 
 def last_decimal(mu: FloatArray) -> float:
     """Return the size of the last decimal that coefficients are written with; 0 if they were computed."""
-    for decimals in range(1, _MOST_DECIMALS + 1):
-        if np.abs(mu - mu.round(decimals)).max() <= _WRITTEN:
+    for decimals in range(1, _MOST_ROUNDED_DECIMALS + 1):
+        if np.abs(mu - mu.round(decimals)).max() <= _BINARY_ROUNDING:
             return float(10.0**-decimals)
     return 0.0

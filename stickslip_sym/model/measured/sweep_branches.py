@@ -20,18 +20,18 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 _SHARE_OF_TURN = 0.1  # of the range of speeds: a smaller return of the speed is jitter, and ends no branch
-_FLAT = 0.02  # relative: rows this near to a turn's speed dwell there, half of them on each branch
+_RELATIVE_DWELL_WIDTH = 0.02  # relative: rows this near to a turn's speed dwell there, half of them on each branch
 _FEWEST_SPEEDS_OF_BRANCH = 4  # speeds of a branch; rows in random order turn after one or two
 _IN_ORDER = 0.8  # share of the rows that belong to such branches where speeds were swept
 _ROWS_TO_SAMPLE = 50_000  # rows, of which stretches tell whether they are in random order
 _STRETCH, _STRETCHES = 500, 20
 _PASSED = 64  # rows that are looked at together for a turn
 _MOST_HYSTERESIS_DEGREE = 4  # degree of the hysteresis in the share of rows below a speed
-_COLUMNS = 4, 30  # fewest and most columns of the smooth curve, one for `_ROWS_A_COLUMN` rows
+_CURVE_COLUMNS = 4, 30  # fewest and most columns of the smooth curve, one for `_ROWS_A_COLUMN` rows
 _ROWS_A_COLUMN = 6
 _COST = 2.0  # times log(n): the fall of n log(sum of squares) that a term is worth; noise does that once in 300
 _LEAST_DIFFERENCE = 1e-9  # of the largest mu: smaller differences are no terms
-_SINGULAR = 1e-10  # relative size of a curve between knots where no speed lies
+_LEAST_CURVE = 1e-10  # relative size of a curve between knots where no speed lies
 _ALONE = 0.05  # share of the rows, of which less does not matter
 _LEAST_SHARE_OF_TERM = 1e-2  # least part of a term that no smooth curve of the speed is, for it to be told apart
 
@@ -116,7 +116,7 @@ def sweep_branches_of(
         return none if rising else None
     columns_of_curve, triangle = np.linalg.qr(smooth)
     rotation, sizes, _ = np.linalg.svd(triangle)
-    curve = columns_of_curve @ rotation[:, sizes > _SINGULAR * sizes[0]]
+    curve = columns_of_curve @ rotation[:, sizes > _LEAST_CURVE * sizes[0]]
 
     def beside(rows: FloatArray) -> FloatArray:
         rest: FloatArray = rows - curve @ (curve.T @ rows)
@@ -245,7 +245,7 @@ def _turns(v: FloatArray, span: float | None = None) -> list[int]:
     middles = []
     for turn in turns:
         first = last = turn
-        near = _FLAT * v[turn]
+        near = _RELATIVE_DWELL_WIDTH * v[turn]
         while first > 0 and abs(v[first - 1] - v[turn]) <= near:
             first -= 1
         while last < len(v) - 1 and abs(v[last + 1] - v[turn]) <= near:
@@ -256,7 +256,9 @@ def _turns(v: FloatArray, span: float | None = None) -> list[int]:
 
 def _knots(v: FloatArray) -> FloatArray:
     """Return speeds with as many rows between any two."""
-    return np.unique(np.quantile(v, np.linspace(0, 1, int(np.clip(len(v) // _ROWS_A_COLUMN, *_COLUMNS)) - 2)))
+    return np.unique(
+        np.quantile(v, np.linspace(0, 1, int(np.clip(len(v) // _ROWS_A_COLUMN, *_CURVE_COLUMNS)) - 2))
+    )
 
 
 def splines(v: FloatArray) -> "csr_array":

@@ -33,10 +33,10 @@ from stickslip_sym.motion.kernel.slip_data import (
 )
 from stickslip_sym.motion.kernel.steps import AMPLIFIED, stepped
 
-_LONGEST_STEP = 0.25  # explicit; at twice that what a step is off shows in thresholds,
+_LONGEST_EXPLICIT_STEP = 0.25  # explicit; at twice that what a step is off shows in thresholds,
 _LONGEST_LOOSE = 4.5  # or this times the tolerance to the power 1/8, where that is longer: in those within 1e-10
 _PAST = 2.0  # times the way to the end of a segment: its polynomials are of no use far beyond
-_STIFF = 10.0  # a decay of w, per unit of time, below which explicit steps are cheap enough
+_STIFF_DECAY = 10.0  # a decay of w, per unit of time, below which explicit steps are cheap enough
 _STABLE = 2.5  # decay times a step, from which stability holds it short: the explicit method bears about 6
 _LOOK = 100  # steps between two looks at the time limit
 _STEPS_HELD_SHORT = 15  # steps held short by stability before the method changes
@@ -164,7 +164,7 @@ def _first_pace(field: Field, state: SlipState, rtol: float) -> Pace:
 def _longest(rtol: float) -> float:
     """Return the length of an explicit step that is not exceeded."""
     longest: float = _LONGEST_LOOSE * rtol**0.125
-    return max(_LONGEST_STEP, longest)
+    return max(_LONGEST_EXPLICIT_STEP, longest)
 
 
 @compilable
@@ -193,10 +193,10 @@ def _advance(
     if not again:
         decay = field.eta * slope_at(branch, state.w) + field.damping
         # A third, so that the method does not change to and fro.
-        if implicit and decay <= _STIFF / 3.0:
+        if implicit and decay <= _STIFF_DECAY / 3.0:
             implicit, held, length = False, 0, rtol**0.125 / max(1.0, abs(state.rate))
         elif not implicit:
-            held = held + 1 if decay > _STIFF and decay * tried > _STABLE else 0
+            held = held + 1 if decay > _STIFF_DECAY and decay * tried > _STABLE else 0
             implicit = held >= _STEPS_HELD_SHORT
     h = min(length, longest)
     if not implicit:
@@ -323,7 +323,7 @@ def _is_beside_rest(rise: Rise, field: Field, state: SlipState, rising: bool, rt
     rest = damping - push + lifted
     fastest = max(abs(faster), abs(slower))
     noise = ULP * max(max(abs(push), abs(lifted)), max(abs(rest), abs(damping)))
-    if fastest > _STIFF:  # of implicit steps
+    if fastest > _STIFF_DECAY:  # of implicit steps
         noise *= AMPLIFIED / fastest
     close = _REST_WITHIN * (rtol + noise)
     if abs(w - 1.0) > close or abs(q - rest) > close * max(1.0, abs(rest)):

@@ -62,7 +62,7 @@ _FEWEST_IN_RANGE = 3  # of these beside each other, that a range needs
 _AROUND = 100.0  # factor above and below a parameter's value within which it is sought
 _WITHIN = Argument("within", ("low", "high"))
 _FEW_THRESHOLDS = 60  # thresholds by slips, up to which compiled code is not worth loading,
-_STIFFER = 8  # and as how many of them one counts where friction is strong
+_COST_OF_STRONG = 8  # and as how many of them one counts where friction is strong
 _THRESHOLD_RTOL = 1e-8  # relative error of thresholds, and of polynomials through them
 _DIGITS_OF_KEY = 12  # of N/(V sqrt(k m)), by which one value is known from others
 _DISTANT = 1e-3  # of its distance from c, error of a threshold that suffices,
@@ -483,7 +483,7 @@ class _Search:
         """Return a threshold, the first of some, by the slip from P."""
         system = NondimensionalOscillator.of(points.bound, points.oscillator(row))
         unit = 2 * float(points.impedance[row])
-        self.work += _STIFFER if abs(system.eta) > STRONG else 1
+        self.work += _COST_OF_STRONG if abs(system.eta) > STRONG else 1
         fast = self.work + count > _FEW_THRESHOLDS
         if sketch:
             alike = replace(system, eta=float(f"{system.eta:.{_DIGITS_OF_KEY}g}"))

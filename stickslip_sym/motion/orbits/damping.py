@@ -47,10 +47,10 @@ _OF_ORBITS = 10.0  # times that, relative error of the values through which they
 _SKETCHED = 1e-5  # of d, instead, where it is compared with dampings that lie far from its extrema
 _FEW_ORBITS = 20  # orbits, up to which plain Python is as fast as loading compiled code
 _NEUTRAL = 3.0  # times the tolerance of steps, the mismatch below which an orbit is periodic within their errors
-_WEAK = 1.0  # eta, below which mismatches are so small that their steps are to be precise
+_WEAK_FRICTION = 1.0  # eta, below which mismatches are so small that their steps are to be precise
 _RELATIVE_CYCLE_WIDTH = 1e-6  # relative, of the amplitude of a cycle by polynomials, within which it lies
 _ERRORS_OF_CLEAR_SIGN = 10.0  # errors from a damping at which the sign of a polynomial is that of the mismatch
-_NARROW = 64  # times narrower than V is a piece of the table in which mu changes quickly,
+_NARROW_RATIO = 64  # times narrower than V is a piece of the table in which mu changes quickly,
 _NARROWER = 0.6  # and than the pieces beside it
 _SAME_AMPLITUDE, _BREAK_XTOL = 1e-9, 1e-13  # amplitudes that are one, and the error of one at which d breaks
 _THIN = 1e-3  # over V, width of a layer at rest that polynomials might not see
@@ -58,7 +58,7 @@ _DAMPING_OF_JUMP, _LARGEST_LEAST_AMPLITUDE = (
     0.5,
     0.9,
 )  # damping ratio that a jump of mu at V may ask for, and amplitude above all such
-_ROUNDS = 200  # of a motion, to see whether it goes through a range of amplitudes
+_ROUNDS_LOOKED_AT = 200  # of a motion, to see whether it goes through a range of amplitudes
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class NeededDamping:
     def mismatch(self, A: float, damping: float) -> float:
         """Return the mismatch of an orbit at a damping over sqrt(k m), of the sign of d(A) - damping."""
         system, steps = self.system, TIGHT
-        if abs(system.eta) < _WEAK:
+        if abs(system.eta) < _WEAK_FRICTION:
             steps = PRECISE
         value = velocity_mismatch_at(replace(system, zeta=damping / 2), A, rtol=steps).value
         if math.isnan(value):
@@ -297,7 +297,7 @@ class NeededDamping:
         system = replace(self.system, zeta=damping / 2)
         way = math.copysign(1.0, self.mismatch(low, damping))
         peak, end = (low, high) if way > 0 else (high, low)
-        for _ in range(_ROUNDS):
+        for _ in range(_ROUNDS_LOOKED_AT):
             before, peak = peak, 1 - first_minimum(system, system.turn(1 - peak), 1 - peak, TIGHT)
             if way * (peak - end) >= 0:
                 return True
@@ -359,7 +359,7 @@ def quick_speeds(table: FrictionTable, V: float) -> list[float]:
     narrow = [
         begins[end]
         for before, first, after in zip(runs, runs[1:], runs[2:], strict=False)
-        if widths[first] < min(_NARROWER * widths[[before, after % widths.size]].min(), V / _NARROW)
+        if widths[first] < min(_NARROWER * widths[[before, after % widths.size]].min(), V / _NARROW_RATIO)
         for end in (first, after)
     ]
     measured = [table.end] if math.isfinite(table.reach) else []

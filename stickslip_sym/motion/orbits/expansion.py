@@ -19,7 +19,7 @@ from stickslip_sym.core.aliases import BoolArray, ComplexArray, FloatArray
 from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.motion.orbits.needed import ROUNDING
 
-_GRIDS = (32, 192, 1152)  # phases in half a period; the next where these do not do
+_PHASE_GRIDS = (32, 192, 1152)  # phases in half a period; the next where these do not do
 
 
 # Fourier series on 2 K phases theta_j = (j + 1/2) pi/K of a period, the midpoints of cells: of real functions, by
@@ -66,7 +66,7 @@ class GrazingExpansion(NamedTuple):
         return self.tail <= ROUNDING
 
 
-def expand(law: BoundLaw, V: ArrayLike, *, grids: Sequence[int] = _GRIDS) -> GrazingExpansion:
+def expand(law: BoundLaw, V: ArrayLike, *, grids: Sequence[int] = _PHASE_GRIDS) -> GrazingExpansion:
     """Expand slip orbits for weak friction.
 
     - `law`: smooth on the speeds of the orbits.

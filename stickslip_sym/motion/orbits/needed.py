@@ -68,9 +68,9 @@ ROUNDING = 1e-14
 STRONG = 30.0
 """Eta, from which halves are stiff."""
 _LOOSEST_SIGN_RTOL = 1e-5  # tolerance of steps that show the sign of a mismatch far from 0, the loosest
-_STIFF = 1e-9  # the same where friction is strong
+_STIFF_SIGN_RTOL = 1e-9  # the same where friction is strong
 _MISMATCH_OF_SURE_SIGN = 1e-4  # mismatch above which these steps show its sign
-_LOOSEST = 1e-6  # tolerance of steps in a search
+_LOOSEST_SEARCH_RTOL = 1e-6  # tolerance of steps in a search
 _TOLERANCE_RATIO = 0.01  # times the tolerance, where it did not give the accuracy that is wanted
 _SHARE_OF_ERROR = 0.03
 """Of the error of the damping ratio that is wanted, a tolerance; and of that, its relative error."""
@@ -82,7 +82,7 @@ _BENT = 0.01  # of a mismatch, that the last secant may be off
 _SLOW = 0.5  # of the mismatch before, above which the secant does not help
 _FALL = -2 * math.pi  # of the mismatch with zeta, where friction is weak
 _MOST_GAPS = 200  # dampings that are tried
-_PHASES = 64  # of an orbit, for the first guess
+_GUESS_PHASES = 64  # of an orbit, for the first guess
 _WILD = 1e12  # change of friction along an orbit, over its own forces, that is no use to follow
 _MOST_DAMPING_RATIO = 1e6
 """Damping ratio over 1 + |eta| and over the largest rise of friction, beyond which there is none."""
@@ -255,7 +255,7 @@ def mismatch_of_certain_sign(
     """Return the mismatch by coarse steps where they show its sign, without its derivative."""
     unwanted, coarse = no_wedge(rise), _LOOSEST_SIGN_RTOL
     if abs(eta) > STRONG:
-        coarse = _STIFF
+        coarse = _STIFF_SIGN_RTOL
     glance = velocity_mismatch(rise, eta, zeta, push, A, coarse, unwanted)
     if not glance.leaves and _MISMATCH_OF_SURE_SIGN < abs(glance.value) < math.inf:
         return glance
@@ -269,7 +269,7 @@ def _tolerance(eta: float, zeta: float, rtol: float) -> float:
     if abs(eta) > STRONG:
         most = 1.0
     share = min(_SHARE_OF_ERROR * abs(zeta), most)
-    return min(max(share * rtol, PRECISE), _LOOSEST)
+    return min(max(share * rtol, PRECISE), _LOOSEST_SEARCH_RTOL)
 
 
 @compilable
@@ -325,7 +325,7 @@ def _search(
     reach = 0.1 * max(abs(zeta), largest + abs(push))
     last, before = math.nan, math.nan
     loose = _LOOSER * rtol
-    steps = rtol if abs(eta) > STRONG else max(loose, _LOOSEST)
+    steps = rtol if abs(eta) > STRONG else max(loose, _LOOSEST_SEARCH_RTOL)
     is_led = False  # by a secant from looser steps, which would end at 0 but for their errors
     for _ in range(_MOST_GAPS):
         value, _, _, rounding, _ = velocity_mismatch(rise, eta, zeta, push, A, steps, no_wedge(rise))
@@ -431,10 +431,10 @@ def _harmonic(rise: Rise, eta: float, A: float) -> tuple[float, float]:
     pieces, end = rise.pieces, rise.levels[-1]
     whole = Branch(pieces, 0, len(pieces) - 1, 0)
     zeta, largest = 0.0, 0.0
-    for i in range(_PHASES):
-        cosine = math.cos((i + 0.5) * math.pi / _PHASES)
+    for i in range(_GUESS_PHASES):
+        cosine = math.cos((i + 0.5) * math.pi / _GUESS_PHASES)
         lifted = eta * rise_at(whole, min(1.0 - A * cosine, end))
-        zeta += lifted * cosine / (A * _PHASES)
+        zeta += lifted * cosine / (A * _GUESS_PHASES)
         largest = max(largest, abs(lifted))
     for i in range(len(pieces)):
         if 1.0 - A < pieces[i][1] < 1.0 + A:

@@ -29,7 +29,7 @@ from stickslip_sym.criteria.rule import gauss_average
 from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.motion.orbits.expansion import damping_of_layer, fourier_coefficients, values
 
-_GRIDS = (32, 64, 128, 192)  # points a period; finer ones take longer than a simulation
+_POINT_GRIDS = (32, 64, 128, 192)  # points a period; finer ones take longer than a simulation
 _MOST_NEWTON_STEPS = 10  # of Newton's method
 _LAST_NEWTON_STEP = 1e-8  # a step of Newton's method after which the next would be rounding
 _GRID_RATIO = 8  # times, the grid on which the lowest velocity is sought
@@ -89,8 +89,8 @@ def _solved(orbit: "_Orbit", rtol: float, added: Sequence[BoundLaw]) -> list[flo
             break
         longest = 1.0  # a step as long as the orbit is high leads nowhere, but for the first
         d, scale = orbit.d, max(float(np.abs(g).max()), abs(orbit.harmonic))
-        error, enough = scale * (tail + _ROUNDING_OF_DAMPING * len(g) / _GRIDS[0]), rtol * abs(d)
-        finest = len(g) == _GRIDS[-1] or tail <= _ROUNDING_OF_DAMPING
+        error, enough = scale * (tail + _ROUNDING_OF_DAMPING * len(g) / _POINT_GRIDS[0]), rtol * abs(d)
+        finest = len(g) == _POINT_GRIDS[-1] or tail <= _ROUNDING_OF_DAMPING
         gains, before = change < 0.1 * before, change
         if change > _LAST_NEWTON_STEP and (finest or error <= enough or (change > tail and gains)):
             continue  # until the grid sets the error, which shows in steps that gain less than a digit too
@@ -101,7 +101,7 @@ def _solved(orbit: "_Orbit", rtol: float, added: Sequence[BoundLaw]) -> list[flo
             velocity = orbit.velocity
             changes = orbit.changes(added) if added else ()
             return [d, relative, float(orbit.g(velocity).mean()) - d, orbit.lowest, *changes]
-        orbit, before = orbit.on(_GRIDS[_GRIDS.index(len(g)) + 1]), math.inf
+        orbit, before = orbit.on(_POINT_GRIDS[_POINT_GRIDS.index(len(g)) + 1]), math.inf
     return [np.nan, np.inf, np.nan, np.nan] + [np.nan] * len(added)
 
 
@@ -142,7 +142,7 @@ class _Orbit:
     def start(cls, law: BoundLaw, V: float, strength: float, A: float, harmonic: float) -> "_Orbit":
         """Return the harmonic motion on the coarsest grid that misses nothing of the law, or on the finest."""
         orbit = cls(law, V, strength, A, harmonic, np.array([0, A / 2 + 0j]), harmonic)
-        return next(filter(_Orbit.sees, map(orbit.on, _GRIDS[:-1])), orbit.on(_GRIDS[-1]))
+        return next(filter(_Orbit.sees, map(orbit.on, _POINT_GRIDS[:-1])), orbit.on(_POINT_GRIDS[-1]))
 
     def sees(self) -> bool:
         """Whether the grid meets every narrow piece of the law's table within the orbit's speeds."""

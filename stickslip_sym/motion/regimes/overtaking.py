@@ -44,11 +44,11 @@ _NEAREST_OVER_REACH, _RELATIVE_STICK_WIDTH = (
 )  # over the reach, and over a displacement: where a round that sticks is sought
 _FARTHEST_DISPLACEMENT = 1e6  # displacement up to which cycles are sought where there is no reach
 _MOST_ROUNDS = 4000  # rounds whose growth is computed
-_INSIDE = 0.9  # of R(0): all rounds grow up to there
+_SHARE_OF_FIRST_ROUND = 0.9  # of R(0): all rounds grow up to there
 _DISPLACEMENTS_LOOKED_AT = 24
 """Displacements, from the nearest to the farthest, at which it is asked whether rounds come in at once."""
-_DRAWN = 1e3  # to less than a thousandth, so that R is as good as constant there
-_ALIKE = 1e-6  # relative, periods of such a cycle by steps of two tolerances, or it is not known
+_SINK_RATIO = 1e3  # to less than a thousandth, so that R is as good as constant there
+_SAME_PERIOD = 1e-6  # relative, periods of such a cycle by steps of two tolerances, or it is not known
 _LOST = Unknown("a round takes too many steps")
 
 _LAW_DEGREE = 14  # of the polynomials of a law
@@ -162,7 +162,7 @@ def rounds_outside(system: NondimensionalOscillator, rtol: float) -> Rounds:
     elif first == 0:
         inner, low = _rounds_that_stick(system, far, rtol)
     else:
-        inner, low = Rounds((), (1,)), _INSIDE * first
+        inner, low = Rounds((), (1,)), _SHARE_OF_FIRST_ROUND * first
     if low >= far:
         return inner
     outer = _rounds_between(system, low, far, rtol)
@@ -213,23 +213,23 @@ def _sink(system: NondimensionalOscillator, first: float, far: float, rtol: floa
     q = np.geomspace(max(first, far * _NEAREST_OVER_REACH), far, _DISPLACEMENTS_LOOKED_AT)
     ends = system.rounds(q, rtol, few=0).ends
     check_time()
-    come_in = np.flatnonzero(ends.known & (ends.filled(math.inf) <= q / _DRAWN))
+    come_in = np.flatnonzero(ends.known & (ends.filled(math.inf) <= q / _SINK_RATIO))
     if not come_in.size:
-        return Rounds((), (1,)), _INSIDE * float(q[0])
+        return Rounds((), (1,)), _SHARE_OF_FIRST_ROUND * float(q[0])
     last = int(come_in[-1])
     low, beyond = float(q[last]), float(q[min(last + 1, _DISPLACEMENTS_LOOKED_AT - 1)])
     while beyond > low * (1 + _RELATIVE_STICK_WIDTH):
         middle = math.sqrt(low * beyond)
         R = _end_of_round(system, middle, rtol)
-        comes_in = not isinstance(R, Unknown) and middle / _DRAWN >= R
+        comes_in = not isinstance(R, Unknown) and middle / _SINK_RATIO >= R
         low, beyond = (middle, beyond) if comes_in else (low, middle)
     slips = [
         system.slips(np.zeros(1), np.zeros(1), passes=1, rtol=each, few=0)
         for each in (rtol, max(rtol / 10, PRECISE))
     ]
     periods = [slip.tau.item() for slip in slips]
-    kind: Kind = "cycle" if abs(periods[0] - periods[1]) <= _ALIKE * periods[0] else "open"
-    return Rounds((FixedPoint(0.0, low / _DRAWN, kind),), (1, -1)), low
+    kind: Kind = "cycle" if abs(periods[0] - periods[1]) <= _SAME_PERIOD * periods[0] else "open"
+    return Rounds((FixedPoint(0.0, low / _SINK_RATIO, kind),), (1, -1)), low
 
 
 def _rounds_between(system: NondimensionalOscillator, low: float, far: float, rtol: float) -> Rounds:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from stickslip_sym.formula.slope_average import SlopeAverage
 
 _REFUSED_RTOL = 1e-6  # error of an average by Gauss's rule, relative, above which it is refused,
-_CANCELLED = 1e-11  # unless it is rounding: over the average of abs(mu')
+_ROUNDING_OVER_SIZE = 1e-11  # unless it is rounding: over the average of abs(mu')
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ def resolved_gauss_average(
     if not law.expr.has(symbols.v):
         return np.zeros_like(V)
     mean, error, size = gauss_average(law, V, criterion=criterion, table=table, like=like)
-    off = np.flatnonzero((error > _REFUSED_RTOL * np.abs(mean)) & (error > _CANCELLED * size))
+    off = np.flatnonzero((error > _REFUSED_RTOL * np.abs(mean)) & (error > _ROUNDING_OVER_SIZE * size))
     if off.size:
         raise NotConverged(
             f"the {criterion.name} average of the slope of mu at V = {V[off[0]]:g} m/s is known to "

@@ -33,7 +33,7 @@ from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
 _SCALES = tuple(2.0**-i for i in range(-1, 9))  # of the radii that are tried for the polydisc
 _SHARE_OF_RADIUS = 0.25  # of the time rho that a step takes: with it a term gains two bits
 _MOST_BOX_STEPS = 20_000
-_FINE = 8  # halvings of a step on which w is highest
+_HALVINGS_AT_HIGHEST = 8  # halvings of a step on which w is highest
 _START_SHARE = 3  # the first step from a point where mu is not analytic is 2^-(bits/3)
 _w = sp.Symbol("w")
 
@@ -359,7 +359,11 @@ class ValidatedIntegrator:
             above = rate > 0 or lowest > low or (not self.number and w < 1 and q_start >= 0)
             below = high is None or rate < 0 or highest < high
             top = arb(highest.upper())
-            if above and below and (depth >= _FINE or not (rate.overlaps(arb(0)) and top > self.highest)):
+            if (
+                above
+                and below
+                and (depth >= _HALVINGS_AT_HIGHEST or not (rate.overlaps(arb(0)) and top > self.highest))
+            ):
                 self.highest = self.highest.max(top)
             elif depth == self.bits:
                 raise self._too_wide()

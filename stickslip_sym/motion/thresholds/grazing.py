@@ -20,7 +20,7 @@ from stickslip_sym.motion.kernel.slip_data import ADDED, PRECISE, TIGHT, SlipEnd
 from stickslip_sym.motion.orbits.needed import PARTED, ROUNDING, STRONG, orbit_damping_ratio, velocity_mismatch_at
 from stickslip_sym.motion.slip import NondimensionalOscillator
 
-_LOOSEST = 1e-9  # relative error that is sought in any case: it costs about twice as much as 1e-3
+_LOOSEST_THRESHOLD_RTOL = 1e-9  # relative error that is sought in any case: it costs about twice as much as 1e-3
 _LOOSEST_STRONG = 1e-8  # the same where friction is strong: 1e-9 would often take a second search
 _TABULATED_OVER_HIGHEST = 1.5
 """Times the highest slip speed, up to which a derivative of the law is tabulated: steps try further."""
@@ -28,7 +28,7 @@ _ERRORS_TO_CHECK_FATE = 10.0  # errors from a threshold at which the fate of the
 _ERRORS_OF_CERTAIN_FATE = 3.0  # times the errors of a slip as a whole, from where its fate is certain
 _OF_SPRING = 0.1  # friction may be far weaker than the spring, whose share of these errors is that
 _MOST_FATE_STEPS = 2000  # of such a slip: the search for a threshold takes about as many
-_WEAK = 1e-7  # eta below which the changes of a mismatch may be nothing but rounding
+_NO_FRICTION = 1e-7  # eta below which the changes of a mismatch may be nothing but rounding
 _SAME_SPEED = 1e-8  # relative distance of two slip speeds that are one, as the highest and one at which mu jumps
 
 
@@ -45,7 +45,7 @@ def grazing_damping(law: BoundLaw, osc: Oscillator, *, rtol: float, fast: bool =
     Raises as `orbit_damping_ratio`, and `NotConverged` where the slip does something else.
     """
     system = NondimensionalOscillator.of(law, osc)
-    loosest = _LOOSEST
+    loosest = _LOOSEST_THRESHOLD_RTOL
     if abs(system.eta) > STRONG:
         loosest = _LOOSEST_STRONG
     zeta, error = orbit_damping_ratio(system, rtol=min(rtol, loosest), fast=fast)
@@ -120,7 +120,7 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
         ),
         "N": Wedge(excess * friction, 0.0, -friction, rise.pieces, still),
     }
-    if eta < _WEAK and 0.0 < abs(osc.N * derivative(sources["N"])) < ROUNDING:
+    if eta < _NO_FRICTION and 0.0 < abs(osc.N * derivative(sources["N"])) < ROUNDING:
         raise NotConverged(
             f"how the threshold changes is not known at eta = {eta:g} and V = {V:g} m/s: friction is so weak that "
             "its changes are lost in rounding; try an average of the slope"

@@ -36,7 +36,7 @@ _BITS_BEYOND_DISTANCE = (
     600,
 )  # of a decision, beyond those of its distance from the threshold, until one falls
 _CURVED = 10  # the secant is off by the square of the bracket, times this
-_WIDEST = 1e-2  # of the first bracket, relative
+_FIRST_BRACKET = 1e-2  # of the first bracket, relative
 
 
 @dataclass(frozen=True)
@@ -193,7 +193,7 @@ class Search:
         center, close, least = Fraction(value), Fraction(rtol), Fraction(VANISHING * scale)
         base, size = max(abs(center), least), max(abs(center), Fraction(scale))
         half = close * base * Fraction(2, 5)
-        width = max(half, base * Fraction(min(max(2 * error, 1e-15), _WIDEST)))
+        width = max(half, base * Fraction(min(max(2 * error, 1e-15), _FIRST_BRACKET)))
         for side in (-1, 1):  # the slip returns below the threshold
             step = width
             while self._returns(_rounded(center + side * step, step), step / size) != (side < 0):

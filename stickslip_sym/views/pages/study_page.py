@@ -36,7 +36,7 @@ _LONGEST_NAME = 80  # characters of a heading
 _MOST_SHOWN_DIGITS = 10  # of a value, at most
 _SIZE = 4.6, 3.1  # inches: two beside each other on a screen and on paper
 _POINTS_OF_MOTION = 2000  # points of the motion over time
-_GROWN = 10.0  # belt speeds up to which a motion is shown in the phase plane
+_BELT_SPEEDS_SHOWN = 10.0  # belt speeds up to which a motion is shown in the phase plane
 
 
 def page_of_study(study: Study) -> str:
@@ -151,7 +151,9 @@ def _phase_plane(ax: Any, study: Study, motions: Regime) -> None:
     handles = motions.draw(ax)
     if study.motion is not None:
         state = study.motion.at(np.linspace(0, study.motion.stretches[-1].end, _POINTS_OF_MOTION))
-        reach = max([_GROWN * study.oscillator.V, *(1.2 * cycle.amplitude for cycle in motions.cycles)])
+        reach = max(
+            [_BELT_SPEEDS_SHOWN * study.oscillator.V, *(1.2 * cycle.amplitude for cycle in motions.cycles)]
+        )
         shown = np.logical_and.accumulate(np.abs(state.v) <= reach)
         line = {"color": "0.7", "linewidth": 0.7, "zorder": 0, "label": "motion over time"}
         handles += ax.plot(state.x[shown], state.v[shown], **line)
