@@ -310,7 +310,9 @@ def agree(e, x=v, at=None, below=()):
         return agree(e.xreplace(decided), x, at, below)
     if not conditions:
         signs = [place - x if is_less else x - place for place, is_less in below.items()]
-        return vanishes(e, signs) if at is None else vanishes(e.subs(x, at), [gap.subs(x, at) for gap in signs])
+        if at is None:
+            return vanishes(e, signs)
+        return vanishes(e) or vanishes(e.subs(x, at), [gap.subs(x, at) for gap in signs])
     places = {part for holds in conditions for part in parts_of(place_of(holds, x))}
     first = min(places - below.keys(), key=str)
     left = {p: True for p in places if sp.cancel(p - first).is_nonnegative}
