@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import read_array, read_rtol, real
 from stickslip_sym.model.law import FrictionLaw
@@ -215,67 +215,111 @@ def _outcome_of(system: NondimensionalOscillator, slip: Slip[float], rtol: float
     return (Outcome.FINISHED, "") if refusal is None else (Outcome.UNDEFINED, str(refusal))
 
 
+class _Ends:
+    """The ends of many motions, an element for each: first of their slips, then of what comes after.
+
+    - `tau, q, w, side`: time, place and slip speed where each was followed to, without units.
+    - `lowest, highest`: the extremes of place and velocity, a row for each; without units until `convert_to_SI`.
+    """
+
+    def __init__(self, law: FrictionLaw, osc: Oscillator, x0: FloatArray, v0: FloatArray, t_end: float) -> None:
+        self.law, self.osc, self.t_end = law, osc, t_end
+        self.system = NondimensionalOscillator.of(law.bound, osc)
+        self.x_P, self.horizon = osc.onset(law), t_end * osc.omega
+        self.q, u = (x0.ravel() - self.x_P) / osc.length, v0.ravel() / osc.V
+        self.w, self.side = self.system.slip_speed(self.q, u)
+        self.lowest, self.highest = np.array([self.q, u]), np.array([self.q, u])
+        count = self.q.size
+        self.tau, self.first_stick = np.zeros(count), np.full(count, np.nan)
+        self.outcome = np.full(count, Outcome.FINISHED, dtype=object)
+        self.phase = np.full(count, None, dtype=object)
+        self.phases, self.sticks = np.zeros(count, dtype=np.intp), np.zeros(count, dtype=np.intp)
+
+    def slip(self, rtol: float, max_steps: int, workers: int) -> None:
+        """Follow what does not stick at once, up to the belt's speed or the horizon."""
+        rows = np.flatnonzero((self.w > 0) | ~self.system.sticks(self.q))
+        slips = self.system.slips(
+            self.q[rows], self.w[rows], self.side[rows], passes=max_steps, level=1.0, horizon=self.horizon,
+            rtol=rtol, most=max_steps, workers=workers,
+        )  # fmt: skip
+        self.tau[rows], self.q[rows], self.w[rows], self.side[rows] = slips.tau, slips.q, slips.w, slips.side
+        self.phase[rows] = np.array([Phase.SLIP_FORWARD, Phase.SLIP_BACK])[(slips.side > 0).astype(int)]
+        self.phases[rows] = 1 + slips.passed
+        self.lowest[:, rows] = slips.q_least, 1 - slips.u_most
+        self.highest[:, rows] = slips.q_most, 1 - slips.u_least
+        for end, outcome in _OUTCOMES.items():
+            self.outcome[rows[slips.end == end]] = outcome
+        for i in np.flatnonzero(np.isin(slips.end, (SlipEnd.OUTSIDE, SlipEnd.FAILED))).tolist():
+            self.outcome[rows[i]], _ = _outcome_of(self.system, slips.one(i), rtol)
+
+    def stick(self) -> None:
+        """Carry what static friction holds to P, or as far as there is time."""
+        is_held = (self.w == 0) & (self.q < 0) & self.system.sticks(self.q)
+        rows = np.flatnonzero(is_held & (self.tau < self.horizon))
+        self.phase[rows], self.first_stick[rows] = Phase.STICK, self.tau[rows]
+        self.phases[rows] += 1
+        self.sticks[rows] += 1
+        since = np.minimum(self.horizon - self.tau[rows], -self.q[rows])
+        self.tau[rows] = np.minimum(self.horizon, self.tau[rows] - self.q[rows])
+        self.q[rows] += since
+        self.highest[0] = np.maximum(self.highest[0], self.q)
+
+    def convert_to_SI(self) -> IntArray:
+        """Take SI units from here on, as `t`, `x` and `v`, and return which motions go on from P."""
+        osc, is_over = self.osc, self.tau >= self.horizon
+        at_P = np.flatnonzero((self.w == 0) & (self.q == 0) & ~is_over)
+        self.t = np.where(is_over, self.t_end, self.tau / osc.omega)
+        self.first_stick = self.first_stick / osc.omega
+        self.x, self.v = self.x_P + osc.length * self.q, osc.V * (1 - self.side * self.w)
+        for extremes in (self.lowest, self.highest):
+            extremes[:] = self.x_P + osc.length * extremes[0], osc.V * extremes[1]
+        for i in np.flatnonzero(self.outcome == Outcome.AT_REST).tolist():
+            x = _position_at_rest(self.system, osc, self.x_P, self.w[i], self.x[i])
+            self.t[i], self.x[i], self.v[i] = self.t_end, x, 0.0
+        return at_P
+
+    def continue_from_P(self, rows: IntArray, rtol: float, max_steps: int) -> None:
+        """Read what becomes of motions that come to P from the one motion that begins there."""
+        left = self.t_end - self.t[rows]
+        course = _one(self.law, self.osc, self.x_P, self.osc.V, float(left.max()), rtol, max_steps)
+        last = course.stretches[-1].start if course.outcome is Outcome.AT_REST else course.t[-1]
+        self.outcome[rows[left >= last]] = course.outcome
+
+        since = np.minimum(left, course.t[-1])
+        event = np.maximum(np.searchsorted([one.t for one in course.events], since) - 1, 0)
+        sticks = np.array([event.begins is Phase.STICK for event in course.events])
+        sticks_so_far = sticks.cumsum()[event]
+        stuck = np.where(sticks_so_far > 0, self.t[rows] + course.events[sticks.argmax()].t, np.nan)
+        self.first_stick[rows] = np.fmin(self.first_stick[rows], stuck)
+        self.phases[rows] += event + 1
+        self.sticks[rows] += sticks_so_far
+
+        self.t[rows] += since
+        self.x[rows], self.v[rows], self.phase[rows] = course.at(since)
+        sample = np.searchsorted(course.t, since, side="right") - 1
+        ends, samples = np.array([self.x[rows], self.v[rows]]), np.array([course.x, course.v])
+        for extremes, reach in ((self.lowest, np.minimum), (self.highest, np.maximum)):
+            extremes[:, rows] = reach.reduce(
+                [extremes[:, rows], reach.accumulate(samples, axis=1)[:, sample], ends]
+            )
+
+
 def _many(
     law: FrictionLaw, osc: Oscillator, x0: FloatArray, v0: FloatArray, t_end: float, rtol: float, max_steps: int,
     workers: int,
 ) -> Trajectories:  # fmt: skip
     """Return the ends of the motions from many initial conditions."""
-    system, x_P, horizon = NondimensionalOscillator.of(law.bound, osc), osc.onset(law), t_end * osc.omega
-    q, u = (x0.ravel() - x_P) / osc.length, v0.ravel() / osc.V
-    w, side = system.slip_speed(q, u)
-    lowest, highest = np.array([q, u]), np.array([q, u])
-    tau, first = np.zeros(q.size), np.full(q.size, np.nan)
-    outcome, phase = (np.full(q.size, word, dtype=object) for word in (Outcome.FINISHED, None))
-    phases, sticks = (np.zeros(q.size, dtype=np.intp) for _ in range(2))
-    slipping = np.flatnonzero((w > 0) | ~system.sticks(q))
-    slips = system.slips(
-        q[slipping], w[slipping], side[slipping], passes=max_steps, level=1.0, horizon=horizon, rtol=rtol,
-        most=max_steps, workers=workers,
+    ends = _Ends(law, osc, x0, v0, t_end)
+    ends.slip(rtol, max_steps, workers)
+    ends.stick()
+    at_P = ends.convert_to_SI()
+    if at_P.size:
+        ends.continue_from_P(at_P, rtol, max_steps)
+    (x_min, v_min), (x_max, v_max) = ends.lowest, ends.highest
+    columns: Any = (
+        ends.t, ends.x, ends.v, ends.phase, ends.outcome, x_min, x_max, v_min, v_max, ends.phases - 1, ends.sticks,
+        ends.first_stick,
     )  # fmt: skip
-    tau[slipping], q[slipping], w[slipping], side[slipping] = slips.tau, slips.q, slips.w, slips.side
-    phase[slipping] = np.array([Phase.SLIP_FORWARD, Phase.SLIP_BACK])[(slips.side > 0).astype(int)]
-    phases[slipping] = 1 + slips.passed
-    lowest[:, slipping] = slips.q_least, 1 - slips.u_most
-    highest[:, slipping] = slips.q_most, 1 - slips.u_least
-    for end, word in _OUTCOMES.items():
-        outcome[slipping[slips.end == end]] = word
-    for i in np.flatnonzero(np.isin(slips.end, (SlipEnd.OUTSIDE, SlipEnd.FAILED))).tolist():
-        outcome[slipping[i]], _ = _outcome_of(system, slips.one(i), rtol)
-
-    held = np.flatnonzero((w == 0) & (q < 0) & system.sticks(q) & (tau < horizon))
-    phase[held], first[held] = Phase.STICK, tau[held]
-    phases[held] += 1
-    sticks[held] += 1
-    since = np.minimum(horizon - tau[held], -q[held])
-    tau[held] = np.minimum(horizon, tau[held] - q[held])
-    q[held] += since
-    highest[0] = np.maximum(highest[0], q)
-    came = np.flatnonzero((w == 0) & (q == 0) & (tau < horizon))
-    t, first = np.where(tau >= horizon, t_end, tau / osc.omega), first / osc.omega
-    x, v = x_P + osc.length * q, osc.V * (1 - side * w)
-    for extremes in (lowest, highest):
-        extremes[:] = x_P + osc.length * extremes[0], osc.V * extremes[1]
-    for i in np.flatnonzero(outcome == Outcome.AT_REST).tolist():
-        t[i], x[i], v[i] = t_end, _position_at_rest(system, osc, x_P, w[i], x[i]), 0.0
-    if came.size:
-        rest = t_end - t[came]
-        course = _one(law, osc, x_P, osc.V, float(rest.max()), rtol, max_steps)
-        over = rest >= (course.stretches[-1].start if course.outcome is Outcome.AT_REST else course.t[-1])
-        outcome[came[over]] = course.outcome
-        since = np.minimum(rest, course.t[-1])
-        event = np.maximum(np.searchsorted([one.t for one in course.events], since) - 1, 0)
-        stuck = np.array([event.begins is Phase.STICK for event in course.events])
-        late = np.where(stuck.cumsum()[event] > 0, t[came] + course.events[stuck.argmax()].t, np.nan)
-        first[came] = np.fmin(first[came], late)
-        phases[came] += event + 1
-        sticks[came] += stuck.cumsum()[event]
-        t[came] += since
-        x[came], v[came], phase[came] = course.at(since)
-        sample = np.searchsorted(course.t, since, side="right") - 1
-        ends, rows = np.array([x[came], v[came]]), np.array([course.x, course.v])
-        for extremes, reach in ((lowest, np.minimum), (highest, np.maximum)):
-            extremes[:, came] = reach.reduce([extremes[:, came], reach.accumulate(rows, axis=1)[:, sample], ends])
-    columns: Any = t, x, v, phase, outcome, lowest[0], highest[0], lowest[1], highest[1], phases - 1, sticks, first
     return Trajectories(law, osc, t_end, rtol, x0, v0, *(column.reshape(x0.shape) for column in columns))
 
 
