@@ -336,12 +336,15 @@ def _search(
         closer, is_slow = zeta - value / slope, abs(value) > _SLOW * abs(before)
         last, before = zeta, value
         if steps > rtol and not _SECANT_RANGE * steps < abs(value) < math.inf:
-            # Its sign is not sure: shorter steps go on from where the secant leads.
+            # Its sign is not sure: shorter steps go on from where the secant leads. They trust no sign of longer
+            # ones, which may miss what is narrow.
             is_led = steps == loose and abs(value) <= _SECANT_RANGE * _LOOSER * loose
+            if math.isfinite(value):
+                reach = _SECANT_RANGE * steps / -_FALL
             steps = loose if steps > loose and math.isfinite(value) else rtol
             if low < closer < high:
                 zeta = closer
-            before = math.nan
+            before, low, high = math.nan, -math.inf, math.inf
             continue
         if math.isnan(value):
             return OrbitDampingRatio(SearchEnd.FAILED, zeta, math.inf, low, high)
