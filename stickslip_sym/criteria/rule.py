@@ -134,26 +134,42 @@ def _sum_over_panels(
     )
     if not own:
         return average, size, 0.0 * average, tails
+
     speeds = V * ((1 - A) + 2 * A * panels.ends)
     values = table.values(speeds)
-    rises, sizes = np.diff(values, axis=1), np.abs(values)
-    heights = panels.heights
+    rises = np.diff(values, axis=1)
     for kink, jump in zip(table.kinks, table.jumps[1:].tolist(), strict=True):
         if jump and parting and speeds[0, 0] < kink < speeds[0, -1]:
             at = int(np.abs(speeds[0] - kink).argmin())
-            height = jump * heights[at] / (V * A)[:, 0]
+            height = jump * panels.heights[at] / (V * A)[:, 0]
             average, size = average - height, size + np.abs(height)
             rises[:, at - (speeds[0, at] >= kink)] -= jump  # of the panel on whose side rounding put the end
     # Slopes at rounded speeds do not add up to the rise where mu is steep; the rise is what counts there.
-    lack = rises / (V * A) - (slopes * panels.share).reshape(len(V), -1, _PANEL_NODES).sum(axis=2)
-    # Far out it is a difference of numbers that are nearly the same, and the slopes are what is known.
-    larger, amount = np.maximum(sizes[:, 1:], sizes[:, :-1]), np.abs(lack) * (V * A)
-    lack[amount <= _ROUNDING_OF_MU * larger] = 0.0
-    middle, highest = (heights[1:] + heights[:-1]) / 2, np.maximum(heights[1:], heights[:-1])
-    average -= (lack * middle).sum(axis=1)
-    # Where in a panel it lacks is not known, nor whether it does where a table may be off by as much.
-    off = (np.abs(lack) * np.where(amount <= _TABULATED * larger, highest, np.abs(np.diff(heights)))).sum(axis=1)
+    summed = (slopes * panels.share).reshape(len(V), -1, _PANEL_NODES).sum(axis=2)
+    lack, off = _lacking_rise(rises / (V * A) - summed, V * A, np.abs(values), panels.heights)
+    average -= lack
     return average, size, np.where(speeds[:, -1] <= table.end, off, np.inf), tails
+
+
+def _lacking_rise(
+    lack: FloatArray, per_slope: FloatArray, sizes: FloatArray, heights: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return what rises that the sums of slopes lack add to -<mu'>, and what that may be off.
+
+    - `lack`: of each panel, as a slope; `per_slope` turns it into a rise.
+    - `sizes`: of mu at the ends of the panels.
+    - `heights`: the weight there.
+    """
+    larger = np.maximum(sizes[:, 1:], sizes[:, :-1])
+    amount = np.abs(lack) * per_slope
+    # Far out it is a difference of numbers that are nearly the same, and the slopes are what is known.
+    lack[amount <= _ROUNDING_OF_MU * larger] = 0.0
+    middle = (heights[1:] + heights[:-1]) / 2
+
+    # Where in a panel it lacks is not known, nor whether it does where a table may be off by as much.
+    highest, change = np.maximum(heights[1:], heights[:-1]), np.abs(np.diff(heights))
+    uncertain = np.where(amount <= _TABULATED * larger, highest, change)
+    return (lack * middle).sum(axis=1), (np.abs(lack) * uncertain).sum(axis=1)
 
 
 class _Panels(NamedTuple):

@@ -21,7 +21,7 @@ A table ends where mu varies too often, as a sine does for ever: a motion that c
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -331,37 +331,9 @@ class _Segment:
         edges[-1] = self.high
         reached = np.zeros(edges.size - 1)  # the highest rise up to the end of each octave
 
-        def look(intervals: Sequence[Interval[float, None]]) -> Iterator[Decision[FloatArray, None]]:
-            low, upper = ends(intervals)
-            values = self.rising(_CHEBYSHEV_GRID.between(low, upper))
-            scale = np.abs(values).max(axis=1)
-            octaves = np.array([one.first for one in intervals])
-            np.maximum.at(reached, octaves, np.where(np.isfinite(scale), scale, 0.0))
-            np.maximum.accumulate(reached, out=reached)
-            halvings = np.array([one.halvings for one in intervals])
-            level = self.noise(values, low, upper, halvings) + (
-                _RISE_NOISE * reached[-1] if self.derivative else 0.0
-            )
-            coefficients = values @ _CHEBYSHEV_GRID.coefficients
-            fits = (tail(coefficients, 2) <= level) & ~self.hides(low, upper)
-            steepest = _STEEPER * 2 * np.abs(values @ _CHEBYSHEV_GRID.slopes).max(axis=1)
-            steepest += _RISE_OF_NO_ACCOUNT * (level + _TAIL_SIZE * reached[octaves]) + _TINY
-            powers = coefficients @ _CHEBYSHEV_GRID.powers
-            for i, one in enumerate(intervals):
-                if one.high - one.low <= _LEAST_RELATIVE_WIDTH * one.high:
-                    is_known = fits[i] or scale[i] < _POLE * (1 + abs(self.onset))
-                elif fits[i] and self.is_sure(one.low, one.high, steepest[i] / (one.high - one.low)):
-                    is_known = True
-                elif np.isfinite(values[i]).any():
-                    yield HALVE
-                    continue
-                else:
-                    is_known = False
-                yield Accept(_row(one, powers[i])) if is_known else _NO_VALUE
-
         found = subdivide(
             list(pairwise(edges.tolist())),
-            look,
+            partial(self._look, reached=reached),
             limits=DivisionLimits(parts=_INTERVALS_AN_OCTAVE),
             at_once=_INTERVALS_AN_OCTAVE,
             to_first_open=True,
@@ -372,6 +344,39 @@ class _Segment:
         ((end, _, _, why),) = found.open
         self.is_rough = why is CROWDED
         return pieces, end
+
+    def _look(
+        self, intervals: Sequence[Interval[float, None]], reached: FloatArray
+    ) -> Iterator[Decision[FloatArray, None]]:
+        """Say of each interval whether one polynomial is enough, and raise the highest rise that was reached."""
+        low, high = ends(intervals)
+        values = self.rising(_CHEBYSHEV_GRID.between(low, high))
+        scale = np.abs(values).max(axis=1)
+        octaves = np.array([one.first for one in intervals])
+        np.maximum.at(reached, octaves, np.where(np.isfinite(scale), scale, 0.0))
+        np.maximum.accumulate(reached, out=reached)
+
+        level = self.noise(values, low, high, np.array([one.halvings for one in intervals]))
+        if self.derivative:
+            level = level + _RISE_NOISE * reached[-1]
+        coefficients = values @ _CHEBYSHEV_GRID.coefficients
+        fits = (tail(coefficients, 2) <= level) & ~self.hides(low, high)
+        # By so much mu may rise from end to end of an interval on which the polynomial shows all of it.
+        steepest = _STEEPER * 2 * np.abs(values @ _CHEBYSHEV_GRID.slopes).max(axis=1)
+        steepest += _RISE_OF_NO_ACCOUNT * (level + _TAIL_SIZE * reached[octaves]) + _TINY
+
+        powers = coefficients @ _CHEBYSHEV_GRID.powers
+        for i, one in enumerate(intervals):
+            if one.high - one.low <= _LEAST_RELATIVE_WIDTH * one.high:
+                is_known = fits[i] or scale[i] < _POLE * (1 + abs(self.onset))
+            elif fits[i] and self.is_sure(one.low, one.high, steepest[i] / (one.high - one.low)):
+                is_known = True
+            elif np.isfinite(values[i]).any():
+                yield HALVE
+                continue
+            else:
+                is_known = False
+            yield Accept(_row(one, powers[i])) if is_known else _NO_VALUE
 
     def noise(self, values: FloatArray, low: FloatArray, high: FloatArray, halvings: IntArray) -> FloatArray:
         """Return what coefficients of a rise on intervals may be off by, a row of values for each."""
