@@ -135,7 +135,7 @@ class Harmonic(Script):
         amplitudes = [(self.whole(row.amplitude), row.label) for row in self.rows]
         joined = ""
         for amplitude, label in amplitudes:
-            joined = _joined(joined, f"(integral_times {amplitude} _ _ _ _ angle{label})")
+            joined = _proof_of_sum(joined, f"(integral_times {amplitude} _ _ _ _ angle{label})")
         proof = self.part(
             "harmonic",
             terms=terms,
@@ -161,7 +161,7 @@ class Harmonic(Script):
         integrals = [f"{m} * ({self._integral(pole)})" for m, pole in zip(multiples, row.poles, strict=True)]
         joined = f"rest{row.label}"
         for name, multiple in zip(names, multiples, strict=True):
-            joined = _joined(joined, f"(integral_times {multiple} _ _ _ _ {name})")
+            joined = _proof_of_sum(joined, f"(integral_times {multiple} _ _ _ _ {name})")
         angle = sp.Symbol("t")
         self.names[angle] = "t"
         sine, cosine = sp.Function("sin")(angle), sp.Function("cos")(angle)
@@ -273,7 +273,7 @@ def _base_of(coefficients: Sequence[Expr]) -> Expr:
     return base
 
 
-def _joined(first: str, second: str) -> str:
+def _proof_of_sum(first: str, second: str) -> str:
     """Return the proof of the integral of a sum, of those of its two parts."""
     return f"(integral_plus _ _ _ _ _ _ {first} {second})" if first else second
 

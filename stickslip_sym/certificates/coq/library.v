@@ -25,8 +25,10 @@ Proof.
   exists (fun x => 1 - tanh x ^ 2). intro x. pose proof (cosh_positive x). unfold tanh.
   auto_derive; [lra | unfold cosh, sinh in *; field; lra].
 Defined.
+Global Typeclasses Opaque tanh sinh cosh.
 
 (*# tactics *)
+(* "Typeclasses Opaque" keeps auto_derive from unfolding a function to tell it from those whose derivatives it knows *)
 Lemma exp_le y z : y <= z -> exp y <= exp z.
 Proof. intros [H | ->]; [apply Rlt_le, exp_increasing, H | apply Rle_refl]. Qed.
 Ltac positive := first [ assumption | exact Logic.I | lra | exact PI_RGT_0 | apply exp_pos | match goal with
@@ -99,6 +101,7 @@ Qed.
 (*# arcsinh *)
 Global Instance UnaryDiff_arcsinh : UnaryDiff arcsinh.
 Proof. exists (fun x => / sqrt (x ^ 2 + 1)). intro x. apply is_derive_Reals, derivable_pt_lim_arcsinh. Defined.
+Global Typeclasses Opaque arcsinh.
 
 (*# erf *)
 Definition erf x := 2 / sqrt PI * RInt (fun t => exp (- t ^ 2)) 0 x.
@@ -115,6 +118,7 @@ Lemma erf_0 : erf 0 = 0.
 Proof. unfold erf. rewrite RInt_point. apply Rmult_0_r. Qed.
 Global Instance UnaryDiff_erf : UnaryDiff erf.
 Proof. exists (fun x => 2 / sqrt PI * exp (- x ^ 2)). exact derive_erf. Defined.
+Global Typeclasses Opaque erf.
 
 (*# over *)
 (* The integral of F(t)/t from 0, of a function that is like t close to 0; for polylogarithms *)
@@ -180,6 +184,7 @@ Global Instance UnaryDiff_polylog3 : UnaryDiff' polylog3.
 Proof. exists (fun x => polylog2 x / x) (fun x => x < 0). intros x H. rewrite <- over_is by lra. apply derive_polylog3. lra. Defined.
 Global Instance UnaryDiff_polylog4 : UnaryDiff' polylog4.
 Proof. exists (fun x => polylog3 x / x) (fun x => x < 0). intros x H. rewrite <- over_is by lra. apply derive_polylog4. lra. Defined.
+Global Typeclasses Opaque polylog2 polylog3 polylog4.
 
 (*# inverse_tangent *)
 (* im(polylog(k, I*y)), the inverse tangent integrals: Ti1 = atan, Ti2(1) is Catalan's constant *)
@@ -200,6 +205,7 @@ Global Instance UnaryDiff_Ti3 : UnaryDiff' Ti3.
 Proof. exists (fun x => Ti2 x / x) (fun x => 0 < x < 2). intros x H. rewrite <- over_is by lra. apply derive_Ti3. lra. Defined.
 Global Instance UnaryDiff_Ti4 : UnaryDiff' Ti4.
 Proof. exists (fun x => Ti3 x / x) (fun x => 0 < x < 2). intros x H. rewrite <- over_is by lra. apply derive_Ti4. lra. Defined.
+Global Typeclasses Opaque Ti2 Ti3 Ti4.
 
 (*# open_ends *)
 (* The fundamental theorem for a function that is differentiable between the ends, and continuous there *)
@@ -272,6 +278,7 @@ Proof.
 Qed.
 Global Instance UnaryDiff_power p : UnaryDiff' (power p).
 Proof. exists (fun x => p * power p x / x) (fun x => 0 < x). exact (derive_power p). Defined.
+Global Typeclasses Opaque power.
 
 (*# products *)
 Ltac power_by_exp := idtac.
@@ -343,6 +350,7 @@ Proof.
 Qed.
 Global Instance UnaryDiff_lower_gamma k p : UnaryDiff' (lower_gamma (S k) p).
 Proof. exists (fun y => p * y ^ k * exp (- power p y)) (fun y => 0 < p /\ 0 < y). intros y [Hp Hy]. apply derive_lower_gamma; assumption. Defined.
+Global Typeclasses Opaque lower_gamma.
 
 (*# continuous *)
 (* a function with roots or powers that is continuous where their base vanishes *)
