@@ -16,6 +16,7 @@ from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.certificates.coq.harmonic import Pole, slope_over_angle
+from stickslip_sym.certificates.coq.tactics import LIBRARY
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.symbols import V, v
 
@@ -149,7 +150,16 @@ def test_a_law_is_stated_in_its_own_words():
 
 def test_a_script_takes_of_the_library_what_it_needs():
     assert "polylog" not in script_of("exponential")
-    assert "Lemma derive_polylog4" in script_of("tanh")
+    with_polylogarithms = script_of("tanh")
+    assert "Lemma derive_polylog4" in with_polylogarithms
+    assert "These three values are not proved here" in with_polylogarithms
+
+
+def test_no_function_of_the_library_is_unfolded_to_find_its_derivative():
+    lemmas = "\n".join(LIBRARY.values())
+    with_derivatives = set(re.findall(r"UnaryDiff'? \(?(\w+)", lemmas))
+    opaque = " ".join(re.findall(r"^Global Typeclasses Opaque (.*)\.$", lemmas, re.MULTILINE)).split()
+    assert with_derivatives == set(opaque)
 
 
 def test_letters_that_mean_something_in_coq_get_other_names():

@@ -44,7 +44,8 @@ class Slope(Script):
         )
         applied = " | ".join(f"apply slope{label}; assumption" for label in range(len(sides)))
         conditions = "".join(f"V <> {self.whole(place)} -> " for place in places)
-        theorem = self.part("slopes", conditions=conditions, cases=f"{cases}first [{applied}].")
+        note = "(* At a kink mu has no derivative: the theorem is on all other belt speeds *)\n" if places else ""
+        theorem = self.part("slopes", note=note, conditions=conditions, cases=f"{cases}first [{applied}].")
         law = self.law(mu, self.code(c), denominators(c, mu, without=(self.v,)))
         return self.assembled(law, "\n".join([*slopes, theorem]))
 

@@ -161,6 +161,8 @@ Proof. intro H. unfold over. destruct (Req_EM_T x 0); [contradiction | reflexivi
 End Over.
 
 (*# polylog *)
+(* c has these at -1 for PI^2, zeta(3) and PI^4: polylog2 (-1) = - PI^2 / 12, polylog3 (-1) = - 3 / 4 zeta(3),
+   polylog4 (-1) = - 7 / 720 PI^4. These three values are not proved here *)
 Definition polylog1 x := - ln (1 + - x).
 Definition polylog2 := mean_of polylog1.
 Definition polylog3 := mean_of polylog2.

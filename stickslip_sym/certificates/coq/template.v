@@ -102,7 +102,7 @@ Proof.
     ${facts}auto_derive; [positive | $moves].
 Qed.
 (*# slopes *)
-Theorem criterion : ${conditions}is_derive mu V (- c / N).
+${note}Theorem criterion : ${conditions}is_derive mu V (- c / N).
 Proof.
   intros. $cases
 Qed.
