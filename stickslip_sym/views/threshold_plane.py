@@ -8,7 +8,8 @@ import numpy as np
 from uncertainties import UFloat
 
 from stickslip_sym.comparison.plane import Plane, plane
-from stickslip_sym.core.errors import StickSlipError
+from stickslip_sym.core.errors import InputError, StickSlipError
+from stickslip_sym.core.remedies import Argument
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.views.drawing import BLUE, GREEN, ORANGE, finish, new_figure, styled
@@ -72,6 +73,11 @@ def figure_of_plane(threshold: Threshold[float]) -> "Figure":
     law, numbers = points.law, {name: float(column[0]) for name, column in points.columns.items()}
     point: dict[str, float | UFloat] = {**numbers, **points.uncertain}
     nominal = {name: getattr(value, "nominal_value", value) for name, value in point.items()}
+    if missing := sorted({"m", "k"} - nominal.keys()):
+        raise InputError(
+            f"the picture shows the threshold itself, which depends on {' and '.join(missing)}; compare with ",
+            Argument("m", 1), " and ", Argument("k", 100), ", for example",
+        )  # fmt: skip
     curves = plane(law, point, nominal["V"])
     rest = {name: nominal[name] for name in "Nmk"}
     with suppress(StickSlipError):  # a law with kinks has none

@@ -38,6 +38,8 @@ def test_compare_says_why_a_method_has_no_value():
 def test_compare_without_an_oscillator_has_averages_only():
     found = ss.compare(ss.laws.polynomial.typical(), V=0.5, N=9.81)
     assert [one.method for one in found] == list(ss.criteria.catalogue)
+    with pytest.raises(ss.InputError, match=r"depends on k and m; compare with m=1 and k=100"):
+        found.plot()
 
 
 @pytest.mark.parametrize(
