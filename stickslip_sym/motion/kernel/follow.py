@@ -33,8 +33,7 @@ from stickslip_sym.motion.kernel.slip_data import (
 )
 from stickslip_sym.motion.kernel.steps import AMPLIFIED, stepped
 
-_LONGEST_EXPLICIT_STEP = 0.25  # explicit; at twice that what a step is off shows in thresholds,
-_LONGEST_LOOSE = 4.5  # or this times the tolerance to the power 1/8, where that is longer: in those within 1e-10
+_LONGEST_EXPLICIT_STEP = 0.25  # explicit; at twice that what a step is off shows in thresholds
 _PAST = 2.0  # times the way to the end of a segment: its polynomials are of no use far beyond
 _STIFF_DECAY = 10.0  # a decay of w, per unit of time, below which explicit steps are cheap enough
 _STABLE = 2.5  # decay times a step, from which stability holds it short: the explicit method bears about 6
@@ -156,15 +155,8 @@ def _begun(rise: Rise, field: Field, begin: SlipState) -> tuple[int, bool, SlipS
 def _first_pace(field: Field, state: SlipState, rtol: float) -> Pace:
     """Return the pace of a slip that begins."""
     fastest = max(1.0, max(abs(1.0 - field.side * state.w), abs(state.rate)))
-    length = min(3.0 * rtol**0.125 / fastest, _longest(rtol))
+    length = min(3.0 * rtol**0.125 / fastest, _LONGEST_EXPLICIT_STEP)
     return Pace(False, 0, length, 0.0, length, False)
-
-
-@inlined
-def _longest(rtol: float) -> float:
-    """Return the length of an explicit step that is not exceeded."""
-    longest: float = _LONGEST_LOOSE * rtol**0.125
-    return max(_LONGEST_EXPLICIT_STEP, longest)
 
 
 @compilable
@@ -200,7 +192,7 @@ def _advance(
             implicit = held >= _STEPS_HELD_SHORT
     h = min(length, longest)
     if not implicit:
-        h = min(h, _longest(rtol))
+        h = min(h, _LONGEST_EXPLICIT_STEP)
     trial = stepped(implicit, branch, field, state, h, rtol, wedge)
     error = trial.error
     again = not error < 1.0

@@ -284,7 +284,7 @@ def search_damping_ratio(rise: Rise, eta: float, push: float, A: float, rtol: fl
     need = _searched(rise, eta, push, A, steps, zeta, largest)
     while need.end == SearchEnd.CLOSED and need.error > rtol * abs(need.zeta) and steps > PRECISE:
         steps = max(_TOLERANCE_RATIO * steps, PRECISE)
-        finer = _searched(rise, eta, push, A, steps, need.zeta, largest)
+        finer = _searched(rise, eta, push, A, steps, zeta, largest)
         if finer.end != SearchEnd.CLOSED or not finer.error < need.error:
             break
         need = finer
@@ -324,45 +324,28 @@ def _search(
     low, high, slope = -math.inf, math.inf, _FALL
     reach = 0.1 * max(abs(zeta), largest + abs(push))
     last, before = math.nan, math.nan
-    loose = _LOOSER * rtol
-    steps = rtol if abs(eta) > STRONG else max(loose, _LOOSEST_SEARCH_RTOL)
-    is_led = False  # by a secant from looser steps, which would end at 0 but for their errors
     for _ in range(_MOST_GAPS):
-        value, _, _, rounding, _ = velocity_mismatch(rise, eta, zeta, push, A, steps, no_wedge(rise))
+        value, _, _, rounding, _ = velocity_mismatch(rise, eta, zeta, push, A, rtol, no_wedge(rise))
         if is_late():
             return OrbitDampingRatio(SearchEnd.LATE, zeta, math.inf, low, high)
-        if math.isfinite(value) and math.isfinite(before) and (value - before) * (zeta - last) < 0.0:
-            slope = (value - before) / (zeta - last)
-        closer, is_slow = zeta - value / slope, abs(value) > _SLOW * abs(before)
-        last, before = zeta, value
-        if steps > rtol and not _SECANT_RANGE * steps < abs(value) < math.inf:
-            # Its sign is not sure: shorter steps go on from where the secant leads. They trust no sign of longer
-            # ones, which may miss what is narrow.
-            is_led = steps == loose and abs(value) <= _SECANT_RANGE * _LOOSER * loose
-            if math.isfinite(value):
-                reach = _SECANT_RANGE * steps / -_FALL
-            steps = loose if steps > loose and math.isfinite(value) else rtol
-            if low < closer < high:
-                zeta = closer
-            before, low, high = math.nan, -math.inf, math.inf
-            continue
         if math.isnan(value):
             return OrbitDampingRatio(SearchEnd.FAILED, zeta, math.inf, low, high)
         if value > 0.0:
             low = max(low, zeta)
         else:
             high = min(high, zeta)
-        if steps == rtol and abs(value) <= _SECANT_RANGE * rtol:
-            off = abs(value)
-            if not is_led or off > loose:
-                off = abs(velocity_mismatch(rise, eta, zeta, push, A, loose, no_wedge(rise)).value - value)
-            off += rounding + _BENT * abs(value)
+        if math.isfinite(value) and math.isfinite(before) and (value - before) * (zeta - last) < 0.0:
+            slope = (value - before) / (zeta - last)
+        closer, is_slow = zeta - value / slope, abs(value) > _SLOW * abs(before)
+        last, before = zeta, value
+        if abs(value) <= _SECANT_RANGE * rtol:
+            loose = velocity_mismatch(rise, eta, zeta, push, A, _LOOSER * rtol, no_wedge(rise)).value
+            off = abs(loose - value) + rounding + _BENT * abs(value)
             if rtol > PRECISE:
-                off += loose
+                off += _LOOSER * rtol
             error = off / -slope + (PRECISE + _SHARE_OF_ERROR * rtol) * (abs(zeta) + largest)
             if error <= _UNSURE * (abs(zeta) + largest):
                 return OrbitDampingRatio(SearchEnd.CLOSED, closer, error, low, high)
-        is_led = False
         if high - low < math.inf and high - low <= ROUNDING * max(abs(low), abs(high)):
             return OrbitDampingRatio(SearchEnd.CLOSED, zeta, math.inf, low, high)
         if abs(zeta) > _MOST_DAMPING_RATIO * (1.0 + abs(eta) + largest):
