@@ -155,7 +155,7 @@ def export_latex(
     --------
     >>> from stickslip_sym import derive
     >>> text = export_latex(derive("mu_s - a*v"), fragment=True, symbols={"V": "v_b"})
-    >>> text.count(r"\begin{displayed_equation}")
+    >>> text.count(r"\begin{equation}")
     2
     """
     listed = _as_list(forms, ClosedForm, "closed forms: derive(law)")

@@ -135,6 +135,7 @@ def test_a_fraction_over_the_angle_is_a_slope_and_its_poles(rates, base, power):
 
 
 @pytest.mark.parametrize(("top", "base"), [(1, v + 2), (1, v**2 + 1), (v, v**2 + 3 * v + 4)])
+@mpmath.workdps(30)
 def test_the_integral_of_a_pole_is_that_of_its_fraction(top, base):
     pole = Pole(sp.S.One, sp.sympify(top), base)
     fraction = sp.lambdify(v, top / base, "mpmath")

@@ -84,7 +84,7 @@ REFUSALS = {
         lambda: ss.derive(FALLING).certificate(),
         {"print(form.derivation.text())": lambda: ss.derive(FALLING).derivation.text()},
         f"export {FALLING} --criterion least_squares --certificate a.py"),
-    "a script in Coq has the harmonic criterion of polynomials": (
+    "a script in Coq has the harmonic criterion of slopes": (
         lambda: ss.derive("exponential", "harmonic").certificate("coq"),
         {'form.certificate("sympy")': lambda: ss.derive("exponential", "harmonic").certificate("sympy")},
         "export exponential --criterion harmonic --certificate a.v"),

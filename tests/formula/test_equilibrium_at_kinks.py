@@ -3,6 +3,7 @@
 import random
 import re
 
+import mpmath
 import pytest
 import sympy as sp
 from languages import runs, values_of
@@ -56,12 +57,14 @@ def views(law, speed, folder):
 
 @sample(1)
 @sweep("seed", range(4), 1, 3)
+@mpmath.workdps(30)
 def test_every_view_has_the_mean_of_both_slopes(seed, tmp_path):
     law, (left, right) = law_in_pieces(seed)
     for view, value in views(law, V, tmp_path):
         assert value == pytest.approx(-N * (left + right) / 2, rel=1e-13), view
 
 
+@mpmath.workdps(30)
 def test_beside_the_kink_every_view_has_the_slope_there(tmp_path):
     """A mean that is taken too widely would be noticed."""
     law, slopes = law_in_pieces(1)

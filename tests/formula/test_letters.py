@@ -2,6 +2,7 @@
 
 import random
 
+import mpmath
 import pytest
 import sympy as sp
 from sweeps import sample, sweep
@@ -60,6 +61,7 @@ def test_a_letter_is_one_number_wherever_it_stands():
     assert sorted(map(float, found.meanings.values())) == [0.123, 0.456, 0.789, 1.23456]
 
 
+@mpmath.workdps(30)
 def test_a_sum_of_parameters_beside_the_speed_is_one_letter():
     form = ss.derive("mu_0 + d*exp(-(a_1 + a_2*P + a_3*P^2)*v)")
     assert form.verdict.status is ss.Status.PROVED

@@ -35,6 +35,7 @@ ROUNDING = 5e-12  # of speeds up to 5 m/s, times the slope of the steepest curve
 
 
 @given(st.lists(STEPS, min_size=4, max_size=12), st.integers(0, 9))
+@mpmath.workdps(30)
 def test_a_curve_goes_through_its_points_and_falls_where_they_do(points, tenths):
     """Its slope is continuous, and every library computes its formula."""
     speeds = [sp.Rational(sum(gap for gap, _ in points[:i]), 1000) for i in range(len(points))]

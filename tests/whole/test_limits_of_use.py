@@ -17,6 +17,7 @@ POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 POLYNOMIAL = ss.laws.polynomial.typical()
 
 
+@mpmath.workdps(20)
 def test_every_kind_of_number_is_read_exactly():
     rng = np.random.default_rng(8)
     for x in (rng.normal(size=20) * 10.0 ** rng.integers(-300, 300, 20)).tolist():
@@ -74,7 +75,7 @@ def test_public_results_cannot_be_changed():
     known = {value for module in modules for value in vars(module).values() if inspect.isclass(value)}
     results = {one for one in known if hasattr(one, "__dataclass_params__") and not one.__name__.startswith("_")}
     assert {"ClosedForm", "Threshold", "Fit", "Trajectory", "Regime", "Study"} <= {one.__name__ for one in results}
-    grow = {"Budget", "Cells", "Derivation", "Reference", "Table"}
+    grow = {"WorkBudget", "Cells", "Derivation", "Reference", "Table"}
     assert {one.__name__ for one in results if not one.__dataclass_params__.frozen} <= grow
 
 
