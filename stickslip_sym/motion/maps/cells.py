@@ -259,19 +259,17 @@ class _Decider:
         # Where all orbits grow, or shrink, while those about rest do not, there is a cycle that is smaller.
         cycle[:] = (growth != 0) & ((growth > 0) != grows_at_rest)
         stable[:] = cycle & grows_at_rest
-        unsure[growth == 0] = True
+        groups = self._alike(np.flatnonzero(growth == 0))
+        needs = [needed_damping(self.law, self._oscillator(self.system.V, int(rows[0]))) for rows in groups]
         try:
             with time_limit(self.seconds):
-                for sketched in (True, False):
-                    groups = self._alike(np.flatnonzero(unsure))
-                    oscillators = [self._oscillator(self.system.V, int(rows[0])) for rows in groups]
-                    needs = [needed_damping(self.law, osc, sketched=sketched) for osc in oscillators]
-                    resolve_together(needs)
-                    for rows, need in zip(groups, needs, strict=True):
-                        signs = need.signs(2 * self.zeta[rows], grows_at_rest[rows])
-                        cycle[rows], stable[rows], unsure[rows] = signs
+                resolve_together(needs)
         except OutOfTime:
             check_time()  # raises if it was the limit on all
+            unsure[growth == 0] = True
+            return cycle, stable, unsure
+        for rows, need in zip(groups, needs, strict=True):
+            cycle[rows], stable[rows], unsure[rows] = need.signs(2 * self.zeta[rows], grows_at_rest[rows])
         return cycle, stable, unsure
 
     def _alike(self, rows: IntArray) -> list[IntArray]:

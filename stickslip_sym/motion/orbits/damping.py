@@ -43,8 +43,7 @@ NEAREST = 1e-3
 """Lowest amplitude over the belt's speed that is looked at; a smaller cycle shows by the growth at rest."""
 _DAMPING_RTOL = 1e-9  # of d, that its polynomials may leave out
 _MOST_ORBITS = 2000  # orbits, to resolve it
-_OF_ORBITS = 10.0  # times that, relative error of the values through which they go
-_SKETCHED = 1e-5  # of d, instead, where it is compared with dampings that lie far from its extrema
+_OF_ORBITS = 1e-8  # relative error of the values through which they go
 _FEW_ORBITS = 20  # orbits, up to which plain Python is as fast as loading compiled code
 _NEUTRAL = 3.0  # times the tolerance of steps, the mismatch below which an orbit is periodic within their errors
 _WEAK_FRICTION = 1.0  # eta, below which mismatches are so small that their steps are to be precise
@@ -54,10 +53,8 @@ _NARROW_RATIO = 64  # times narrower than V is a piece of the table in which mu 
 _NARROWER = 0.6  # and than the pieces beside it
 _SAME_AMPLITUDE, _BREAK_XTOL = 1e-9, 1e-13  # amplitudes that are one, and the error of one at which d breaks
 _THIN = 1e-3  # over V, width of a layer at rest that polynomials might not see
-_DAMPING_OF_JUMP, _LARGEST_LEAST_AMPLITUDE = (
-    0.5,
-    0.9,
-)  # damping ratio that a jump of mu at V may ask for, and amplitude above all such
+_DAMPING_OF_JUMP = 0.5  # damping ratio that a jump of mu at V may ask for
+_LARGEST_LEAST_AMPLITUDE = 0.9  # amplitude above all such
 _ROUNDS_LOOKED_AT = 200  # of a motion, to see whether it goes through a range of amplitudes
 
 
@@ -66,11 +63,9 @@ class NeededDamping:
     """The damping d(A) that a slip orbit needs, over sqrt(k m), as a function of its amplitude A V.
 
     - `system`: without damping and without a static excess, which no orbit in slip meets.
-    - `rtol`: of its largest value, what its polynomials may leave out.
     """
 
     system: NondimensionalOscillator
-    rtol: float = _DAMPING_RTOL
 
     def at(self, amplitude: ArrayLike) -> FloatArray:
         """Return d at amplitudes over the belt speed; d(0) is the Hopf bifurcation, d(1) the graze."""
@@ -137,9 +132,9 @@ class NeededDamping:
     def resolved(self) -> Resolved:
         """The polynomials, over a place that `amplitudes` takes: from one edge to the next it grows by 1."""
         return resolve(
-            lambda places: self._values(self.amplitudes(places), self.rtol),
+            lambda places: self._values(self.amplitudes(places)),
             range(len(self.edges)),
-            rtol=self.rtol,
+            rtol=_DAMPING_RTOL,
             most=_MOST_ORBITS,
         )
 
@@ -157,9 +152,9 @@ class NeededDamping:
         found: FloatArray = np.where(below, high - (high - low) * (1 - part) ** 2, low + (high - low) * part**2)
         return found
 
-    def _values(self, A: FloatArray, rtol: float) -> Column:
-        """Return d, for polynomials that may leave out a part of it."""
-        return _orbit_dampings(self.system, np.full(A.size, self.system.eta), A, rtol)
+    def _values(self, A: FloatArray) -> Column:
+        """Return d."""
+        return _orbit_dampings(self.system, np.full(A.size, self.system.eta), A)
 
     def _reaching(self, w: float, low: float) -> float:
         """Return the amplitude, above one, at which orbits come to a highest slip speed over V."""
@@ -172,7 +167,7 @@ class NeededDamping:
     def _highest(self, A: float) -> float:
         """Return what the highest slip speed of an orbit is at most, over V: infinite where it is not known."""
         system = self.system
-        damping = self._values(np.array([A]), _DAMPING_RTOL).at(0)
+        damping = self._values(np.array([A])).at(0)
         if isinstance(damping, Unknown) or math.isinf(damping):
             return math.inf
         return velocity_mismatch_at(replace(system, zeta=damping / 2), A, rtol=TIGHT).highest
@@ -306,15 +301,15 @@ class NeededDamping:
         return False
 
 
-def _orbit_dampings(system: NondimensionalOscillator, eta: FloatArray, A: FloatArray, rtol: float) -> Column:
-    """Return d of orbits, each at an eta of its own, for polynomials that may leave out a part of it.
+def _orbit_dampings(system: NondimensionalOscillator, eta: FloatArray, A: FloatArray) -> Column:
+    """Return d of orbits, each at an eta of its own.
 
     It is infinite where no damping is enough, or none too little. Where less lets an orbit leave the speeds that
     were measured it is the damping at which that begins.
     """
     rows = np.full((A.size, 5), float(SearchEnd.LATE))
     few = 0 if is_ready(search_damping_ratios) else _FEW_ORBITS
-    system.spread(search_damping_ratios, (eta, np.zeros(A.size), A), (_OF_ORBITS * rtol,), rows, few=few)
+    system.spread(search_damping_ratios, (eta, np.zeros(A.size), A), (_OF_ORBITS,), rows, few=few)
     check_time()
     rows[:, 1:] *= 2
     return damping_ratios(rows)
@@ -323,24 +318,21 @@ def _orbit_dampings(system: NondimensionalOscillator, eta: FloatArray, A: FloatA
 def resolve_together(needs: Sequence[NeededDamping]) -> None:
     """Resolve d of oscillators that differ in eta alone at once: many orbits take little longer than one.
 
-    All are to be as accurate.
-
     The places of each follow those of the one before.
     """
     needs = [need for need in needs if "resolved" not in vars(need)]
     if not needs:
         return
     begins = np.cumsum([0, *(len(need.edges) - 1 for need in needs)])
-    system, rtol = needs[0].system, needs[0].rtol
-    etas = np.array([need.system.eta for need in needs])
+    system, etas = needs[0].system, np.array([need.system.eta for need in needs])
 
     def values(places: FloatArray) -> Column:
         which, A = np.searchsorted(begins, places, side="right") - 1, np.empty(places.size)
         for i in np.unique(which).tolist():
             A[which == i] = needs[i].amplitudes(places[which == i] - begins[i])
-        return _orbit_dampings(system, etas[which], A, rtol)
+        return _orbit_dampings(system, etas[which], A)
 
-    whole = resolve(values, range(int(begins[-1]) + 1), rtol=rtol, most=_MOST_ORBITS * len(needs))
+    whole = resolve(values, range(int(begins[-1]) + 1), rtol=_DAMPING_RTOL, most=_MOST_ORBITS * len(needs))
     for need, (begin, end) in zip(needs, pairwise(begins.tolist()), strict=True):
         vars(need)["resolved"] = whole.between(begin, end)
 
@@ -367,18 +359,15 @@ def quick_speeds(table: FrictionTable, V: float) -> list[float]:
     return sorted({*table.kinks, *map(float, narrow), *measured, *layer})
 
 
-def needed_damping(law: FrictionLaw, osc: Oscillator, *, sketched: bool = False) -> NeededDamping:
-    """Return the damping that slip orbits need as a function of their amplitude; the c of `osc` is not used.
-
-    - `sketched`: whether it is compared only with dampings that lie far from its extrema.
-    """
+def needed_damping(law: FrictionLaw, osc: Oscillator) -> NeededDamping:
+    """Return the damping that slip orbits need as a function of their amplitude; the c of `osc` is not used."""
     system = NondimensionalOscillator.of(law.bound, osc)
-    return _needed_damping_at(system.table, system.eta, system.V, _SKETCHED if sketched else _DAMPING_RTOL)
+    return _needed_damping_at(system.table, system.eta, system.V)
 
 
 @lru_cache(maxsize=64)  # cycles at many dampings read one
-def _needed_damping_at(table: FrictionTable, eta: float, V: float, rtol: float) -> NeededDamping:
-    return NeededDamping(NondimensionalOscillator(eta, 0.0, _drop_static_excess(table), V), rtol)
+def _needed_damping_at(table: FrictionTable, eta: float, V: float) -> NeededDamping:
+    return NeededDamping(NondimensionalOscillator(eta, 0.0, _drop_static_excess(table), V))
 
 
 @lru_cache(maxsize=64)  # so that what is computed of a table at a belt speed is shared by all normal forces
