@@ -436,20 +436,12 @@ def _row(one: Interval[float, None], powers: FloatArray) -> FloatArray:
 
 @lru_cache(maxsize=256)  # laws with other values share them
 def _slopes(expr: Expr) -> list[Expr]:
-    """Return the slope of a formula as it stands, and over one denominator, where algebraic terms cancel less.
-
-    Where roots are factors of other functions, as in regularised laws, it is given so with all its terms too.
-    """
+    """Return the slope of a formula as it stands, and over one denominator, where algebraic terms cancel less."""
     slope = slope_of(expr)
     terms = sp.Add.make_args(slope)
     algebraic = [term for term in terms if _is_algebraic(term)]
     others = slope - sp.Add(*algebraic)
     forms = [slope, others + _write_one_denominator(sp.Add(*algebraic))]
-    if any(_is_root_of_speed(node) for node in sp.preorder_traversal(others)):
-        inner = {node: sp.Dummy() for node in sp.preorder_traversal(slope) if _is_transcendental(node)}
-        forms.append(
-            _write_one_denominator(slope.xreplace(inner)).xreplace({name: node for node, name in inner.items()})
-        )
     return list(dict.fromkeys(forms))
 
 
@@ -468,10 +460,6 @@ def _is_transcendental(node: Expr) -> bool:
     if not node.has(symbols.v) or not node.args:
         return False
     return not (node.is_Add or node.is_Mul or (node.is_Pow and not node.exp.has(symbols.v)))
-
-
-def _is_root_of_speed(node: Expr) -> bool:
-    return bool(node.is_Pow and node.base.has(symbols.v) and node.exp.is_Rational and not node.exp.is_Integer)
 
 
 def _first(segment: _Segment) -> tuple[FloatArray, float]:

@@ -125,15 +125,6 @@ def test_what_cannot_be_tabulated_is_refused():
 
 
 @sample(5)
-@pytest.mark.parametrize("width", [1e-4, 1e-8])
-def test_a_regularised_law_by_a_root_is_tabulated(width):
-    law = ss.FrictionLaw(f"(0.2 + 0.3*exp(-3*v))*v/sqrt(v^2 + {width}^2)")
-    v = np.geomspace(width / 10, 10.0, 50)
-    exact = (0.2 + 0.3 * np.exp(-3 * v)) * v / np.hypot(v, width)
-    assert math.isinf(law.bound.table.reach)
-    np.testing.assert_allclose(law.bound.table.values(v), exact, rtol=1e-12)
-
-
 @pytest.mark.parametrize("shape", SHAPES)
 def test_narrow_laws_within_enclosures(shape):
     law, _, relative = narrow_law(shape, 1)
