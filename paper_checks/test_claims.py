@@ -5,7 +5,7 @@ from collections.abc import Callable
 import pytest
 
 # Importing the checks puts them into CHECKS, so that nothing of them is used here.
-from paper_checks import check_criteria, check_equations, check_figures, check_motion, check_numbers  # noqa: F401
+from paper_checks import check_criteria, check_equations, check_figures, check_motion, check_numbers  # noqa: F401  # which register their checks
 from paper_checks.claims import CLAIMS
 from paper_checks.findings import CHECKS, FINDING
 from paper_checks.printed import PRINTED
