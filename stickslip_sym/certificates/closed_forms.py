@@ -92,7 +92,8 @@ class _Claim:
     """The statement and the data of one closed form."""
 
     def __init__(self, form: ClosedForm) -> None:
-        self.form, self.criterion = form, form.criterion
+        self.form = form
+        self.criterion = form.criterion
         used = form.law.expr.free_symbols
         self.parameters = [p.symbol for p in form.law.parameters.values() if p.symbol in used]
         every = [form.law.expr, form.expr, *(step.statement for _, a in form.averages for step in a.steps)]
@@ -145,7 +146,8 @@ class _Claim:
 
     def _declare_above(self, x: Expr, bound: Expr) -> Iterator[str]:
         """Define a parameter by a positive number, the least that it may be added: a condition for an average."""
-        name, slack = self._name(x), f"slack{len(self.slack) + 1}"
+        name = self._name(x)
+        slack = f"slack{len(self.slack) + 1}"
         is_above = isinstance(bound, sp.Gt)
         self.slack[x] = sp.Symbol(slack, positive=True), bound.rhs
         yield f'{slack} = Symbol("{slack}", positive=True)'
@@ -156,7 +158,8 @@ class _Claim:
 
     def lines(self) -> Iterator[str]:
         """Write the statement and the data."""
-        form, criterion = self.form, self.criterion
+        form = self.form
+        criterion = self.criterion
         yield f"# == STATEMENT: {shorten(_where(form), 80)} ".ljust(100, "=")
         yield ""
         yield from self.declare(symbols.V, symbols.N, symbols.v, symbols.s, *self.parameters)
@@ -191,7 +194,8 @@ class _Claim:
             isinstance(step.by, AverageSeries | Differentiated) for _, a in self.form.averages for step in a.steps
         ):
             yield 'n = Symbol("n", positive=True)'
-        known, rows = dict(self.form.averages), list[str]()
+        known = dict(self.form.averages)
+        rows = list[str]()
         for term in self.form.terms:
             average = known.get(term)
             if average is not None and average not in self.parts:
@@ -201,10 +205,12 @@ class _Claim:
         yield "\n".join(["terms = [", *map(script_line, rows), "]"]) if rows else "terms = []"
 
     def _row(self, term: Term, average: Average | None) -> str:
-        profile, parts = ("sp.Integer(1)", "[]")
+        profile = "sp.Integer(1)"
+        parts = "[]"
         if average is not None:
             number = self.parts[average]
-            profile, parts = f"g{number}", f"parts{number}"
+            profile = f"g{number}"
+            parts = f"parts{number}"
         amplitude = term.amplitude if average is not None else term.expr
         scale = term.scale if average is not None else sp.S.One
         shapes = ", ".join(f"{self.names[x]}: {self.exact(value)}" for x, value in self._shapes(term))
@@ -271,10 +277,12 @@ class _Claim:
 
         rows = proof.product.algebra.table([proof.product])
         yield from self._declare_generators(average, rows)
-        functions, roots = list[str](), list[str]()
+        functions = list[str]()
+        roots = list[str]()
         meanings = _expand_generators(rows)
         for made in rows:
-            name, meaning = self.names[made.symbol], meanings[made.symbol]
+            name = self.names[made.symbol]
+            meaning = meanings[made.symbol]
             text = f"({self.names[meaning[0]]}, {meaning[1]})" if isinstance(meaning, tuple) else in_code(meaning)
             functions.append(script_line(f"    {name}: ({text}, {in_code(made.slope or sp.S.Zero)}),"))
             if made.square is not None:
@@ -344,7 +352,8 @@ def _is_power(term: Expr) -> bool:
 def _expand_generators(rows: Sequence[Generator]) -> Mapping[Expr, Expr | tuple[Expr, int]]:
     """Return what generators mean: (F, k) is (z d/dz)^k F of a hypergeometric function F of z."""
     meanings: dict[Expr, Expr | tuple[Expr, int]] = {}
-    last, k = None, 0
+    last = None
+    k = 0
     for made in rows:
         if made.meaning.is_Mul and last is not None:
             k += 1

@@ -39,7 +39,8 @@ def certificate_of_enclosure(
             Call("derive(law).certificate()", "export LAW --certificate FILE.py"),
         )
     script = LawInFlint(law.kinetic, page)
-    definition, weight = "c = -N mu'(V)", "None"
+    definition = "c = -N mu'(V)"
+    weight = "None"
     if criterion.weight is not None:
         definition = f"c = -N int_-1^1 w(s) mu'(V (1 + s)) ds, w(s) = {printing.text(criterion.weight)}"
         weight = _coefficients(criterion.weight) if criterion.is_polynomial else '"harmonic"'

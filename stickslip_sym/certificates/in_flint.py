@@ -64,7 +64,8 @@ class LawInFlint:
     @cached_property
     def ends(self) -> list[str]:
         """The speeds where the pieces end: the kinks, and the end of what was measured."""
-        law, point = self._law, self._law.point
+        law = self._law
+        point = self._law.point
         written = {number_at(place, point): place for place in places(law.expr)}
         ends = [kink if kink.is_Rational else written[kink] for kink in law.exact_kinks]
         return [self.text(end) for end in [*ends, *([] if law.end is None else [law.end])]]

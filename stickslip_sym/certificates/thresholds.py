@@ -40,7 +40,8 @@ def certificate_of_threshold(
 
     Raises `InputError` for a law with a function that the script has no rule for.
     """
-    law, page = point.law, sections(Path(__file__).with_suffix(".txt"))
+    law = point.law
+    page = sections(Path(__file__).with_suffix(".txt"))
     script = LawInFlint(law.bound, page["page"])
     bits += _BITS_BEYOND_PROOF + _widening(point, ends[1])
     with working_precision(bits):

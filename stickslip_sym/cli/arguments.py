@@ -56,7 +56,8 @@ class Point:
     def __str__(self) -> str:
         from stickslip_sym.core import symbols
 
-        law, parameters = self.law, list[str]()
+        law = self.law
+        parameters = list[str]()
         for name, value in law.values.items():
             unit = law.parameters[name].unit
             shown = law.uncertain.get(name, f"{float(value):.12g}")
@@ -97,7 +98,8 @@ def points(
         texts = {
             name: si_number(str(text), name) for name, text in (stated | defaults).items() if text is not None
         }
-        friction, typical = law, tuple[str, ...]()
+        friction = law
+        typical = tuple[str, ...]()
         if friction is None:
             values = {name: str(value) for name, value in content.get("parameters", {}).items()}
             values |= given["parameter"]
@@ -138,7 +140,8 @@ def law_described(given: Given | Mapping[str, Any], text: str | None) -> ss.Fric
     """
     from stickslip_sym.model.expression.parsing import NAME
 
-    file, static = given["from_csv"], given["static"]
+    file = given["from_csv"]
+    static = given["static"]
     if file is not None:
         if text is not None:
             raise InputError(f"the law is given twice, as {text!r} and by --from-csv; give it once")

@@ -28,7 +28,8 @@ def run(given: Given) -> None:
 
     Example: stickslip critical exponential --of mu_s -c 2 -V 0.5
     """
-    of, at = given["of"], point(given, without=[given["of"]])
+    of = given["of"]
+    at = point(given, without=[given["of"]])
     how: dict[str, Any] = {name: given[name] for name in ("method", "time_limit", "rtol")}
     if "c" not in at.texts and of != "c":
         raise InputError("critical values are computed at a given damping: add -c VALUE")
@@ -39,7 +40,8 @@ def run(given: Given) -> None:
         echo_found(given, at, margins, of="all", margins=margins)
         return
     at.exact("critical --of " + of)
-    text, unit = given["within"], options.unit_of_option(at.law, of)
+    text = given["within"]
+    unit = options.unit_of_option(at.law, of)
     within = None if text is None else options.read_range(text, "--within", of=of, unit=unit)
     given.reject_unused()
     with show_progress(f"critical values of {of}"):

@@ -37,12 +37,17 @@ def run(given: Given) -> None:
     Example: stickslip damping exponential -p alpha=3 -V 0.5 -N 9.81 -m 1 -k 100 --all
     """
     method = None if given["all"] else given["method"]
-    rtol, limit, script = given["rtol"], given["time_limit"], given["certificate"]
+    rtol = given["rtol"]
+    limit = given["time_limit"]
+    script = given["certificate"]
     if script is not None and method != "proof":
         raise InputError(
             f"a certificate is the script of a theorem: add --method proof, or leave out --certificate {script}"
         )
-    contents, texts, certificates, at_all = list[Json](), [], [], points(given, without=_left_out(given, method))
+    contents = list[Json]()
+    texts = []
+    certificates = []
+    at_all = points(given, without=_left_out(given, method))
     plot = given["plot"] if len(at_all) == 1 else None
     for at in at_all:
         given.reject_unused()

@@ -39,9 +39,12 @@ def run(given: Given) -> None:
     from stickslip_sym.output import files
 
     chosen = criteria_of(given["criterion"])
-    latex, steps, verify = given["latex"], given["steps"], given["verify"]
+    latex = given["latex"]
+    steps = given["steps"]
+    verify = given["verify"]
     at = point(given, without=("c",)).exact("derive")
-    law, limit = at.law, given["time_limit"]
+    law = at.law
+    limit = given["time_limit"]
     given.reject_unused()
     # What the table cannot be computed for is refused before anything is derived or written.
     ss.Oscillator(**at.numbers)
@@ -56,7 +59,8 @@ def run(given: Given) -> None:
         closed_form.verify(time_limit=limit)
     if latex is not None and forms:
         files.write_text(latex, "\n".join(_latex(form, steps) for form in forms))
-    rows, texts = list[Json](), [str(at)]
+    rows = list[Json]()
+    texts = [str(at)]
     for criterion, form in derivations.items():
         closed = None if isinstance(form, NoClosedForm) else form
         with show_progress("table of values"):

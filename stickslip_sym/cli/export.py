@@ -51,12 +51,16 @@ def run(given: Given) -> None:
         raise InputError(f"nothing to write: give {', '.join(first)} or {last}")
     if len({path.resolve() for path in targets.values()}) < len(targets):
         raise InputError("two outputs have the same file; give each one of its own")
-    chosen, limit, every = criteria_of(given["criterion"]), given["time_limit"], given["all"]
-    laws, code = _laws_to_export(given), targets.keys() & LANGUAGES.keys()
+    chosen = criteria_of(given["criterion"])
+    limit = given["time_limit"]
+    every = given["all"]
+    laws = _laws_to_export(given)
+    code = targets.keys() & LANGUAGES.keys()
     style: dict[str, Any] = {}
     if "latex" in targets:
         style = {"fragment": given["fragment"], "steps": given["steps"], "symbols": given["symbol"]}
-    verify, in_coq = given["verify"], "certificate" in targets and targets["certificate"].suffix == ".v"
+    verify = given["verify"]
+    in_coq = "certificate" in targets and targets["certificate"].suffix == ".v"
     given.reject_unused()
     unbound = _unbound(laws, every) if code else []
     wanted = [(law, criterion) for law in laws for criterion in chosen]
@@ -121,7 +125,8 @@ def _laws_to_export(given: Given) -> list[ss.FrictionLaw]:
         if text in texts[:position]:
             raise InputError(f"the law {text!r} is given twice; give it once")
     described = given if len(texts) == 1 else defaultdict[str, Any](lambda: None)
-    values, described_laws = given["parameter"], [law_described(described, text) for text in texts]
+    values = given["parameter"]
+    described_laws = [law_described(described, text) for text in texts]
     known = list(dict.fromkeys(name for law in described_laws for name in law.parameters))
     for name in values:
         if name not in known:

@@ -34,9 +34,11 @@ def run(given: Given) -> None:
 
     Example: stickslip fit disc.csv --law exponential --law stribeck --law "a + b/(d + v)" --plot fit.svg
     """
-    files, plot = given["files"], given["plot"] if len(given["files"]) == 1 else None
+    files = given["files"]
+    plot = given["plot"] if len(given["files"]) == 1 else None
     laws = laws_to_fit(given["law"], given)
-    contents, texts = [], []
+    contents = []
+    texts = []
     for file in files:
         fits = fit_file(file, laws, given)
         contents.append({"file": file, "fits": fits})

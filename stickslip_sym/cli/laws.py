@@ -25,7 +25,8 @@ def run(given: Given) -> None:
     """
     from stickslip_sym.output.abbreviation import indented_equation
 
-    name, plot = given["law"], None if given["law"] is None else given["plot"]
+    name = given["law"]
+    plot = None if given["law"] is None else given["plot"]
     given.reject_unused()
     laws = list(ss.laws.values()) if name is None else [ss.laws.find(name)]
     wanted = [] if name is None else [(laws[0], criterion) for criterion in criteria_of("all")]

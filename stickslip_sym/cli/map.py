@@ -30,7 +30,9 @@ def read_axis_option(text: str, option: str, law: ss.FrictionLaw) -> tuple[str, 
 
     from stickslip_sym.core.units import share_unit, si_number
 
-    name, parts, equals = _axis_name(text), text.partition("=")[2].split(":"), "=" in text
+    name = _axis_name(text)
+    parts = text.partition("=")[2].split(":")
+    equals = "=" in text
     if not equals or len(parts) != 3:
         raise InputError(f"{option} {text[:60]!r} is not {_AXIS}; write for example {option} V=0.01:1:100")
     ends = share_unit(parts[1], parts[0]), parts[1]
@@ -78,7 +80,9 @@ def run(given: Given) -> None:
     at = point(given, without=names).exact("map")
     x, y = (read_axis_option(given[side], f"--{side}", at.law) for side in "xy")
     how: dict[str, Any] = {name: given[name] for name in ("time_limit", "workers")} | at.numbers
-    csv, npz, plot = given["csv"], given["npz"], given["plot"]
+    csv = given["csv"]
+    npz = given["npz"]
+    plot = given["plot"]
     given.reject_unused()
     _warn_at_corners(at.law, (x, y), at.numbers)
     with show_progress("map"):

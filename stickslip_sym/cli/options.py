@@ -27,7 +27,8 @@ class Given:
     """The options of a command, by their names, and which of them were read."""
 
     def __init__(self, context: click.Context) -> None:
-        self._context, self._read = context, {"overwrite", "json"}
+        self._context = context
+        self._read = {"overwrite", "json"}
         self.command = str(context.command.name)
 
     def __getitem__(self, name: str) -> Any:

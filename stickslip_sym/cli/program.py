@@ -135,7 +135,8 @@ def _failed(context: click.Context | None, command: str | None, kind: str, messa
 
 def _explained(error: click.ClickException) -> str:
     """Return the message of a wrong command line as sentences, the last one where to look."""
-    message, context = error.format_message(), getattr(error, "ctx", None)
+    message = error.format_message()
+    context = getattr(error, "ctx", None)
     if isinstance(error, click.NoSuchOption) and context is not None:
         message = message.removesuffix(".") + _other_case(error.option_name, context.command)
     stop = "" if message.endswith(("?", ".")) else "."
@@ -164,6 +165,7 @@ def _warnings_in_a_line() -> Iterator[None]:
             click.echo(printable(f"warning: {text}", lines=True), err=True)
 
     with warnings.catch_warnings():
-        others, warnings.showwarning = warnings.showwarning, show
+        others = warnings.showwarning
+        warnings.showwarning = show
         warnings.simplefilter("always", InputWarning)
         yield

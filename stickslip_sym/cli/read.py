@@ -25,7 +25,8 @@ def run(given: Given) -> None:
 
     Example: stickslip read disc.csv --speeds 0.01:1 --csv clean.csv --plot disc.svg
     """
-    csv, plot = given["csv"], given["plot"]
+    csv = given["csv"]
+    plot = given["plot"]
     measured = ss.read_measurements(given["file"], **reading_of(given))
     if csv is not None:
         rows = slice(None) if measured.order is None else measured.order.argsort()  # as swept: branches stay

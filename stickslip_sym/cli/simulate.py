@@ -40,7 +40,9 @@ def run(given: Given) -> None:
     at = point(given, c="0").exact("simulate")
     initial = {name: given[name] for name in ("x0", "v0")}
     how = {name: given[name] for name in ("rtol", "method", "time_limit")}
-    t_end, csv, plot = given["t_end"], given["csv"], given["plot"]
+    t_end = given["t_end"]
+    csv = given["csv"]
+    plot = given["plot"]
     given.reject_unused()
     osc = ss.Oscillator(**at.numbers)
     warn_where_negative(at.law.kinetic, osc.V)

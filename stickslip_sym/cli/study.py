@@ -44,16 +44,21 @@ def run(given: Given) -> None:
     from stickslip_sym.views.pages.render import require_templates
 
     require_templates()
-    limit, name = given["time_limit"], given["name"]
-    output, pdf, explore = given["output"], given["pdf"], given["explore"]
+    limit = given["time_limit"]
+    name = given["name"]
+    output = given["output"]
+    pdf = given["pdf"]
+    explore = given["explore"]
     if output is None and (explore is None or pdf is not None):
         output = options.read_file(_PAGE, "--output", endings=_PAGES)
     if output is not None:
         require_matplotlib()
-    file, measured_file = given["fit"], given["from_csv"]
+    file = given["fit"]
+    measured_file = given["from_csv"]
     if pdf is not None:
         require_browser()
-    fits, measured = None, None
+    fits = None
+    measured = None
     if file is None:
         at = points(given, c="0")
         given.reject_unused()
@@ -69,11 +74,13 @@ def run(given: Given) -> None:
     stems = [point.file.stem for point in at if point.file is not None]
     if twice := sorted({stem for stem in stems if stems.count(stem) > 1}):
         raise InputError(f"several files of values are called {twice[0]!r}, as their pages would be; rename one")
-    contents, texts = [], []
+    contents = []
+    texts = []
     for point in at:
         suffix = f"-{point.file.stem}" if len(at) > 1 and point.file is not None else ""
         page, paper, sliders = (path and path.with_stem(path.stem + suffix) for path in (output, pdf, explore))
-        osc, written = ss.Oscillator(**point.numbers), list[str]()
+        osc = ss.Oscillator(**point.numbers)
+        written = list[str]()
         contents.append({"operating_point": point, "page": page, "pdf": paper})
         if page is not None:
             with show_progress("study"):

@@ -27,7 +27,9 @@ def run(given: Given) -> None:
     """
     from stickslip_sym.model.negative import warn_where_negative
 
-    thresholds, basins, every = given["thresholds"], given["basins"], given["all"]
+    thresholds = given["thresholds"]
+    basins = given["basins"]
+    every = given["all"]
     asked = {"criterion": not (thresholds or basins), "threshold": thresholds, "basin": basins}
     kinds = [kind for kind, wanted in asked.items() if wanted or every]
     at = point(given, without=() if "basin" in kinds else ("c",)).exact("tradeoff")
@@ -36,7 +38,8 @@ def run(given: Given) -> None:
     elif not at.law.missing:
         warn_where_negative(at.law.kinetic, at.numbers["V"])
     more = {"criterion": given["criterion"]} if "criterion" in kinds else {}
-    limit, plot = given["time_limit"], given["plot"]
+    limit = given["time_limit"]
+    plot = given["plot"]
     given.reject_unused()
     quantities: dict[str, Any] = dict(at.texts)
     with show_progress("methods, each several times"):

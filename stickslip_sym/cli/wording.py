@@ -49,7 +49,8 @@ def _options_of_reading(arguments: Mapping[str, object]) -> list[str]:
 def _given(context: click.Context, name: str, value: str) -> str:
     """Return an option with its value, behind another command where the present one has no such option."""
     option = _option(name)
-    program, present = context.command, context.invoked_subcommand
+    program = context.command
+    present = context.invoked_subcommand
     commands = program.list_commands(context) if isinstance(program, click.Group) else []
     command = next((each for each in (present, *commands) if option in _options(context, each)), present)
     return " ".join(filter(None, ("" if command == present else f"stickslip {command}", option, value)))

@@ -109,7 +109,8 @@ def measured(
     - `count`: values that one run gives.
     - `least, enough`: runs, and seconds that they take together, at least; the fastest counts.
     """
-    times, begin = list[float](), process_time()
+    times = list[float]()
+    begin = process_time()
     try:
         with np.errstate(all="ignore"), stages() as say:
             say(", ".join(filter(None, (method, setting))), 0, 0)

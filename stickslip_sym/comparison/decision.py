@@ -61,7 +61,8 @@ class Decision(DataResult):
             return cls(c, c_error, averaged.value, averaged.standard_error, averaged=averaged)
         each = averaged.above_by_law(c, c_error)
         chance = averaged.above(c, c_error)
-        least, most = float(each.min()), float(each.max())
+        least = float(each.min())
+        most = float(each.max())
         return cls(c, c_error, averaged.value, averaged.standard_error, chance, (least, most), averaged)
 
     @property
@@ -158,7 +159,8 @@ class Decision(DataResult):
         return self._statement_of_few() if self.few else self._statement_of_value()
 
     def _statement_of_value(self) -> str:
-        apart, remarks = "", list[str]()
+        apart = ""
+        remarks = list[str]()
         if self.value > 0:
             per_cent = 100 * abs(self.c / self.value - 1)
             apart = f"{per_cent:.0f} % " if per_cent >= 10 else f"{per_cent:.2g} % "
@@ -191,7 +193,8 @@ class Decision(DataResult):
         if self._speeds < _FEWEST_SPEEDS:
             return f"{said}, and no decision is stated for {c}{advice}"
         if self._speeds >= _AVERAGED:
-            chances, agree = f"P {self._in_words(self.chance)}", ""
+            chances = f"P {self._in_words(self.chance)}"
+            agree = ""
         else:
             least, most = map(self._in_words, self.by_law)
             chances = f"P {least}" if least == most else f"P {least} to P {most}"

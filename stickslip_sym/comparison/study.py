@@ -133,7 +133,8 @@ class Study(Report, DataResult):
 
         The headline, the page, the text and JSON take what they say from it.
         """
-        c, c_error = self.oscillator.c, self.standard_error("c") or 0.0
+        c = self.oscillator.c
+        c_error = self.standard_error("c") or 0.0
         if self.choice is not None:
             return Decision.of_measured(c, c_error, self.choice)
         if self.threshold is None or self.fit is not None:
@@ -431,7 +432,8 @@ class _Subject:
 
 def _computed(subject: _Subject) -> tuple[dict[str, Any], dict[str, str]]:
     """Return every part by its attribute, None for one that was refused, and the reasons by their names."""
-    parts, refused = dict[str, Any](), dict[str, str]()
+    parts = dict[str, Any]()
+    refused = dict[str, str]()
     with steps(_PARTS, lambda attribute: _PARTS[attribute][0]) as attributes:
         for attribute in attributes:
             what, compute = _PARTS[attribute]
@@ -490,7 +492,9 @@ def _thresholds_over_speed(subject: _Subject) -> Plane:
 
 def _margins(subject: _Subject) -> Margins:
     """Return the margins, where laws were fitted without a probability: the choice of law has one of its own."""
-    law, osc, carried = subject.law, subject.oscillator, subject.carried
+    law = subject.law
+    osc = subject.oscillator
+    carried = subject.carried
     quick = law.bound.obstacle(2 * osc.V) is None
     how: dict[str, Any] = {
         "samples": _PROBABILITY_SAMPLES if quick and subject.fits is None else 0,

@@ -202,7 +202,8 @@ def tradeoff(
         "threshold": lambda: _threshold(law, numbers),
         "basin": lambda: _basin(law, numbers, damping),
     }
-    kept, errors = dict[str, Trade](), dict[str, StickSlipError]()
+    kept = dict[str, Trade]()
+    errors = dict[str, StickSlipError]()
     with deadline.time_limit(time_limit), steps(kinds, str) as each_kind:
         for kind in each_kind:
             try:
@@ -261,14 +262,16 @@ def _measure_criterion(law: FrictionLaw, criterion: Criterion, point: Mapping[st
 
 def _integrand(form: ClosedForm, V: float, N: float) -> Callable[[FloatArray], FloatArray]:
     """Return -N w(s) mu'(v) ds/dphi with v = 2V sin(phi)^2: smooth at both ends, square roots too."""
-    ends, point = sp.symbols("p q", positive=True, cls=sp.Dummy), form.law.point
+    ends = sp.symbols("p q", positive=True, cls=sp.Dummy)
+    point = form.law.point
     weight = function_of(ends, form.criterion.from_ends(*ends), "numpy")
     slope = partial(
         function_of([*point, symbols.v], stable_slope_of(form.law.expr), "numpy"), *map(float, point.values())
     )
 
     def integrand(angle: FloatArray) -> FloatArray:
-        sine, cosine = np.sin(angle), np.cos(angle)
+        sine = np.sin(angle)
+        cosine = np.cos(angle)
         share: FloatArray = 4 * sine * cosine * weight(2 * sine * sine, 2 * cosine * cosine)
         rise: FloatArray = slope(2 * V * sine * sine)
         return -N * share * rise
@@ -342,7 +345,8 @@ def _basin(law: FrictionLaw, point: Mapping[str, float], c: float | None) -> Tra
     """Measure the methods for the share of initial conditions that come to rest, against its area."""
     osc = Oscillator(c=_damping_between_thresholds(law, point) if c is None else c, **point)
     reach = _REACH * osc.V
-    x0, v0 = (-reach / osc.omega, reach / osc.omega), (0.0, reach)
+    x0 = (-reach / osc.omega, reach / osc.omega)
+    v0 = (0.0, reach)
     geometry = partial(basin_map, law, osc, x0=x0, v0=v0)
     basins = geometry()
     right = basins.share.get(Motion.REST)
@@ -369,7 +373,8 @@ def _basin(law: FrictionLaw, point: Mapping[str, float], c: float | None) -> Tra
         return decisions
 
     def judge(decided: list[bool]) -> dict[str, Any]:
-        share, spread = float(np.mean(decided)), math.sqrt(right.value * (1 - right.value) / len(decided))
+        share = float(np.mean(decided))
+        spread = math.sqrt(right.value * (1 - right.value) / len(decided))
         # The sample's own error is that of its size, and the share that is wrong of these very initial conditions.
         wrong = share - float(np.mean(truth[: len(decided)]))
         error = math.hypot(wrong, spread) / right.value
@@ -429,9 +434,15 @@ def pure_slip_by_scan(
     - `step`: of time, in s.
     - `band`: relative speed in m/s that counts as none.
     """
-    m, k, V, hold = osc.m, osc.k, osc.V, law.mu(0.0) * osc.N
-    c, h = dampings, step
-    x, v, a = np.zeros_like(c), np.full_like(c, V), np.zeros_like(c)
+    m = osc.m
+    k = osc.k
+    V = osc.V
+    hold = law.mu(0.0) * osc.N
+    c = dampings
+    h = step
+    x = np.zeros_like(c)
+    v = np.full_like(c, V)
+    a = np.zeros_like(c)
     away = returned = np.zeros(c.shape, dtype=bool)
     effective = m + c * h / 2 + k * h * h / 4  # average acceleration: gamma = 1/2, beta = 1/4
     for _ in range(int((hold / (k * V) + _ROUND / osc.omega) / h)):
@@ -440,7 +451,8 @@ def pure_slip_by_scan(
         # One return decides, as orbits in a plane do not cross; a fast one may step over the band.
         returned = returned | (away & (v - V >= -band))
         away = away | (v - V < -band)
-        v_free, x_free = v + h / 2 * a, x + h * v + h * h / 4 * a
+        v_free = v + h / 2 * a
+        x_free = x + h * v + h * h / 4 * a
         v_new = v
         for _ in range(_ITERATIONS):
             relative = v_new - V
@@ -487,7 +499,8 @@ def comes_to_rest_smoothed(law: FrictionLaw, osc: Oscillator, x0: float, v0: flo
     from scipy.integrate import solve_ivp
 
     deadline.check_time()
-    mu, at_rest = law.function("math"), float(law.mu(0.0))
+    mu = law.function("math")
+    at_rest = float(law.mu(0.0))
 
     def rates(_: float, y: FloatArray) -> tuple[float, float]:
         speed = osc.V - y[1]

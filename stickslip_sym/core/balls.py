@@ -134,7 +134,8 @@ class _Balls:
     def _applied(self, node: Expr, parts: Iterable[Callable[..., Any]]) -> Callable[..., Any]:
         """Return a node as a function, from its arguments as functions."""
         if node.is_Add or node.is_Mul:
-            join, terms = operator.add if node.is_Add else operator.mul, list(parts)
+            join = operator.add if node.is_Add else operator.mul
+            terms = list(parts)
             if len(terms) == 2:  # most of them, and faster so
                 left, right = terms
                 return lambda z, analytic: join(left(z, analytic), right(z, analytic))

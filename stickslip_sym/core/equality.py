@@ -41,7 +41,8 @@ def _is_compared_by_fields(value: Any) -> bool:
 
 
 def _are_same_arrays(one: Any, other: Any) -> bool:
-    first, second = np.asarray(one), np.asarray(other)
+    first = np.asarray(one)
+    second = np.asarray(other)
     if first.shape != second.shape or first.dtype != second.dtype:
         return False
     return all(map(_is_same, first.ravel().tolist(), second.ravel().tolist()))

@@ -555,7 +555,7 @@ def must_be_positive(expr: Expr) -> Sequence[Expr] | None:
 _ANY = sp.Wild("a")
 
 
-@lru_cache(maxsize=128)
+@lru_cache
 def write_sech(expr: Expr) -> Expr:
     """Write 1 - tanh^2 as sech^2, which does not cancel."""
     return expr.replace(1 - sp.tanh(_ANY) ** 2, sp.sech(_ANY) ** 2) if expr.has(sp.tanh) else expr

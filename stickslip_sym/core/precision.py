@@ -25,7 +25,8 @@ def working_precision(bits: int, terms: int | None = None) -> Iterator[None]:
     """Compute with so many bits, and terms of a power series, inside the block; other threads wait."""
     with _lock:
         before = ctx.prec, ctx.cap
-        ctx.prec, ctx.cap = bits, ctx.cap if terms is None else terms
+        ctx.prec = bits
+        ctx.cap = ctx.cap if terms is None else terms
         try:
             yield
         finally:
@@ -78,7 +79,8 @@ def rounded(value: Mpf, digits: int) -> Mpf:
 def middle_in_mpmath(value: arb | acb) -> Mpf:
     """Return the middle of a ball as a number of `mp`, exactly."""
     if isinstance(value, acb):
-        real, imaginary = middle_in_mpmath(value.real), middle_in_mpmath(value.imag)
+        real = middle_in_mpmath(value.real)
+        imaginary = middle_in_mpmath(value.imag)
         return mp.make_mpc((real._mpf_, imaginary._mpf_)) if imaginary else real
     mantissa, exponent = value.mid().man_exp()
     return mp.ldexp(int(mantissa), int(exponent))
@@ -91,5 +93,6 @@ def ball_of_mpmath(value: Mpf, error: Mpf = 0) -> acb:
         sign, mantissa, exponent, _ = mp.mpmathify(part)._mpf_
         return arb(((-1) ** sign * int(mantissa), int(exponent)))
 
-    real, imaginary = mp.re(value), mp.im(value)
+    real = mp.re(value)
+    imaginary = mp.im(value)
     return acb(arb(exactly(real), exactly(error)), arb(exactly(imaginary), exactly(error)) if imaginary else 0)

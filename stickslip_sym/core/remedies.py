@@ -105,7 +105,8 @@ _wording: Callable[[Remedy], str] = python_wording
 def worded(words: Callable[[Remedy], str]) -> Iterator[None]:
     """Let every remedy read as a function words it, in all threads; the interface of a program does so once."""
     global _wording
-    before, _wording = _wording, words
+    before = _wording
+    _wording = words
     try:
         yield
     finally:

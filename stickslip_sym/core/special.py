@@ -190,7 +190,7 @@ class Removable(Special):
         return sp.diff(self.form(u), u, n).subs(u, x)
 
     @classmethod
-    @lru_cache(maxsize=64)
+    @lru_cache
     def _taylor(cls, n: int, count: int) -> list[fmpq]:
         """Return the first coefficients of the n-th derivative."""
         with working_precision(_DOUBLE, n + count + 3):
@@ -198,7 +198,7 @@ class Removable(Special):
             return [series[k + n] * int(sp.ff(k + n, n)) for k in range(count)]
 
     @classmethod
-    @lru_cache(maxsize=64)
+    @lru_cache
     def _terms(cls, n: int) -> tuple[list[str], list[tuple[list[int], int]]]:
         """Return the n-th derivative as a polynomial in 1/x and in functions: their names, and its terms.
 
@@ -214,14 +214,15 @@ class Removable(Special):
     def _by_terms(cls, x: Any, n: int, function: Callable[[str], Any]) -> Any:
         """Return the value in any arithmetic by the terms, which cancel near 0."""
         names, terms = cls._terms(n)
-        values, total = [1 / x, *(function(name) for name in names)], 0
+        values = [1 / x, *(function(name) for name in names)]
+        total = 0
         for powers, coefficient in terms:
             factors = [value**power for value, power in zip(values, powers, strict=True)]
-            total = total + sp.prod(factors, coefficient)
+            total += sp.prod(factors, coefficient)
         return total
 
     @classmethod
-    @lru_cache(maxsize=64)
+    @lru_cache
     def _near(cls, n: int, bits: int) -> tuple[acb_poly, arb]:
         """Return the power series as a polynomial, and a bound on what it leaves out over the last power of |x|.
 
@@ -234,7 +235,8 @@ class Removable(Special):
     @classmethod
     def ball(cls, z: acb, order: acb) -> acb:
         """Return a ball around the value, also on balls around 0."""
-        n, size = round(float(order.real)), arb(z.abs_upper())
+        n = round(float(order.real))
+        size = arb(z.abs_upper())
         if not size <= _SERIES_RADIUS:
             return acb(cls._by_terms(z, n, lambda name: getattr(z, name)()))
         series, left_out = cls._near(n, ctx.prec)
@@ -244,7 +246,9 @@ class Removable(Special):
     @classmethod
     def series(cls, inner: arb_series, order: arb) -> arb_series:
         """Return the power series of the value, from that of the argument."""
-        n, factorial, terms = round(float(order)), 1, []
+        n = round(float(order))
+        factorial = 1
+        terms = []
         start, *others = list(inner) or [arb(0)]
         for k in range(ctx.cap):
             terms.append(cls.ball(acb(start), acb(n + k)).real / factorial)

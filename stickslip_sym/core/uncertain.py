@@ -29,7 +29,8 @@ def split(value: Any, name: str) -> tuple[Any, UFloat | None]:
     number: Any
     value = si_number(value, name)
     if isinstance(value, UFloat):
-        read, number = value, value.nominal_value
+        read = value
+        number = value.nominal_value
     elif isinstance(value, str) and _WITH_ERROR.search(value):
         read = _read_uncertain(value, name)
         number = repr(read.nominal_value)

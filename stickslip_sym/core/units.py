@@ -53,7 +53,8 @@ _DIGITS_OF_QUOTIENT = 40  # of a number that no decimal is
 
 def dimensions(text: str) -> tuple[Fraction, tuple[int, ...]] | None:
     """Return the size of a unit in SI units, and its powers of m, s and kg; None for one that is not known."""
-    size, powers = Fraction(1), tuple[int, ...]((0, 0, 0))
+    size = Fraction(1)
+    powers = tuple[int, ...]((0, 0, 0))
     text = text.translate(_SUPERSCRIPTS).replace("**", "^")
     text = _BELOW_IN_BRACKETS.sub(r" \2/\1", text)
     text = _FORCE_SECONDS.sub(r"\1 s", text)
@@ -66,7 +67,8 @@ def dimensions(text: str) -> tuple[Fraction, tuple[int, ...]] | None:
                 return None
             power = int(match["power"] or 1) * (-1 if i else 1)
             of, its = _UNITS[match["name"]]
-            size, powers = size * of**power, tuple(a + power * b for a, b in zip(powers, its, strict=True))
+            size *= of**power
+            powers = tuple(a + power * b for a, b in zip(powers, its, strict=True))
     return size, powers
 
 
@@ -83,7 +85,8 @@ def si_number(value: Any, name: str, unit: str | None = None) -> Any:
     expected = _expected(name, unit)
     if match is None or expected is None:
         return value
-    number, unit_of_text = _NUMBER.fullmatch(match["number"]), dimensions(match["unit"])
+    number = _NUMBER.fullmatch(match["number"])
+    unit_of_text = dimensions(match["unit"])
     if number is None or unit_of_text is None:
         return value
     size, powers = unit_of_text
@@ -122,7 +125,8 @@ def has_error(text: str) -> bool:
 def _converted(number: re.Match[str], size: Fraction) -> str:
     """Return a number with its standard error, if it has one, as text in SI units."""
     if number["last"] is not None:  # in units of the last digit
-        value, error = Fraction(number["digits"]), Fraction(last_digits(number["digits"], number["last"]))
+        value = Fraction(number["digits"])
+        error = Fraction(last_digits(number["digits"], number["last"]))
     else:
         value = _quotient(number["value"])
         if number["error"] is None:
@@ -176,7 +180,8 @@ def _expected(name: str, unit: str | None) -> str | None:
 
 def share_unit(last: str, first: str) -> str:
     """Return the first end of a range with the unit of the last where it has none, as in "10:400 mm/s"."""
-    its, own = (_WITH_UNIT.fullmatch(text.translate(_SUPERSCRIPTS)) for text in (last, first))
+    its = _WITH_UNIT.fullmatch(last.translate(_SUPERSCRIPTS))
+    own = _WITH_UNIT.fullmatch(first.translate(_SUPERSCRIPTS))
     return first if its is None or own is not None else f"{first} {its['unit']}"
 
 

@@ -67,7 +67,7 @@ class Criterion:
     def _identity(self) -> tuple[str, str, Expr | None]:
         return self.name, self.source, None if self.weight is None else sp.expand(self.weight)
 
-    @lru_cache(maxsize=256)  # noqa: B019  # criteria are few, and kept
+    @lru_cache  # noqa: B019  # criteria are few, and kept
     def mean_power(self, k: int | Expr) -> Expr:
         """Return the mean of (1 + s)^k, exact, where it is finite."""
         if self.weight is None:
@@ -120,7 +120,8 @@ class Criterion:
     @property
     def angle_kernel(self) -> Expr:
         """The kernel A(theta) with c/N = integral_0^pi mu(V(1 - cos(theta))) A(theta) dtheta."""
-        sine, cosine = sp.sin(symbols.theta), sp.cos(symbols.theta)
+        sine = sp.sin(symbols.theta)
+        cosine = sp.cos(symbols.theta)
         kernel = self._weight_slope.subs(symbols.s, -cosine) * sine / symbols.V
         return kernel.subs(sp.sqrt(1 - cosine**2), sine)  # which is not negative on [0, pi]
 

@@ -44,7 +44,8 @@ class Decay:
 
     def below(self, reach: arb, bits: int) -> arb:
         """Return a speed where it is so many bits below what it is at another one."""
-        rate, order = ball(self.rate).real, ball(self.order).real
+        rate = ball(self.rate).real
+        order = ball(self.order).real
         return ((reach ** (-order) + bits * arb.const_log2() / rate) ** (-1 / order)).mid()
 
 
@@ -66,7 +67,8 @@ class DecayInLogarithm:
 
     def below(self, reach: arb, bits: int) -> arb:
         """Return a speed where it is so many bits below what it is at another one, or lower."""
-        top, step = reach.log(), arb(1)
+        top = reach.log()
+        step = arb(1)
         wanted = self.exponent(top) - bits * arb.const_log2()
         while not (self.exponent(top - step) < wanted and self.rises_below(top - step, arb(0))):
             step *= _FARTHER
@@ -127,7 +129,8 @@ def _exponent_powers(node: Expr, point: Mapping[Expr, Expr | acb]) -> list[tuple
 
 def vanishing(mu: Expr, point: Mapping[Expr, Expr | acb]) -> tuple[Expr, Expr]:
     """Return a smooth coefficient without its terms that vanish faster than any power, and these."""
-    regular, vanished = list[Expr](), list[Expr]()
+    regular = list[Expr]()
+    vanished = list[Expr]()
     for term in sp.Add.make_args(sp.expand_mul(mu)):
         exponentials = [factor for factor in sp.Mul.make_args(term) if isinstance(factor, sp.exp)]
         decays = any(_leading_decay(node, point) or _decay_in_logarithm(node, point) for node in exponentials)
@@ -140,13 +143,17 @@ def bound_below(vanished: Expr, point: Mapping[Expr, Expr | acb], end: arb) -> a
     around = acb(arb(end / 2, (end / 2).abs_upper()))
     total = arb(0)
     for term in sp.Add.make_args(vanished):
-        size, power, exponent, order = arb(1), sp.S.Zero, arb(0), arb(0)
+        size = arb(1)
+        power = sp.S.Zero
+        exponent = arb(0)
+        order = arb(0)
         logarithmic = None
         for factor in sp.Mul.make_args(term):
             base, p = factor.as_base_exp()
             decay = _leading_decay(factor, point) if isinstance(factor, sp.exp) else None
             if decay is not None and exponent == 0:
-                leading, order = decay.exponent(end), ball(decay.order).real
+                leading = decay.exponent(end)
+                order = ball(decay.order).real
                 others = [abs(ball(c).real) * end ** ball(e).real for e, c in _exponent_powers(factor, point)
                           if e != -decay.order]  # fmt: skip
                 beside = sum(others, arb(0))

@@ -89,7 +89,8 @@ class Enclosure(DataResult):
     def apart(self, other: "Enclosure") -> tuple[str, str]:
         """Return the middles of two enclosures with as many digits as it takes to see that they differ."""
         for digits in range(8, _MOST_SHOWN):
-            mine, others = _truncated(self.mid, digits), _truncated(other.mid, digits)
+            mine = _truncated(self.mid, digits)
+            others = _truncated(other.mid, digits)
             if mine != others:
                 break
         return mine, others
@@ -105,10 +106,12 @@ class Enclosure(DataResult):
         if self.low == self.high and self.low.denominator == 1:
             return str(self.low)
         if self.digits < 1:
-            low, high = (_truncated(end, _DIGITS_WITHOUT_CERTAINTY) for end in (self.low, self.high))
+            low = _truncated(self.low, _DIGITS_WITHOUT_CERTAINTY)
+            high = _truncated(self.high, _DIGITS_WITHOUT_CERTAINTY)
             return f"[{low}, {high}]"
         for digits in range(min(self.digits + 1, _MOST_END_DIGITS), 0, -1):
-            low, high = (_truncated(end, digits) for end in (self.low, self.high))
+            low = _truncated(self.low, digits)
+            high = _truncated(self.high, digits)
             if low == high:
                 return f"{low}[...]"
         return f"[{_truncated(self.low, self.digits + 1)}, {_truncated(self.high, self.digits + 1)}]"
@@ -266,7 +269,8 @@ def average_enclosure(
     kinks; the speed is positive. The slope at a kink is the mean of both, where `exact` says that the speed is
     there, and any between them where a ball may be.
     """
-    reach, kinks = speed if criterion.weight is None else 2 * speed, kinks_at(mu, point)
+    reach = speed if criterion.weight is None else 2 * speed
+    kinks = kinks_at(mu, point)
     inside = [place for place in kinks if ball(place).real < reach]
     ends_of_pieces = [sp.Integer(0), *kinks, 2 * kinks[-1] if kinks else sp.Integer(1)]
     pieces = smooth_pieces(mu, point, ends_of_pieces[: len(inside) + 2])
@@ -285,9 +289,11 @@ def average_enclosure(
     parts = [balls_from_rest(first, point), *(ball_function(piece, symbols.v, point) for piece in pieces[1:])]
     if not _real_ball(parts[0](acb(0), False)).is_finite():
         return arb.nan()  # no panel that begins at v = 0 has a bound, however often it is halved
-    V, places = acb(speed), [ball(place).real for place in inside]
+    V = acb(speed)
+    places = [ball(place).real for place in inside]
     if criterion.is_polynomial:
-        slope, scale = ball_function(sp.diff(criterion.weight, symbols.s), symbols.s, {}), acb(1)
+        slope = ball_function(sp.diff(criterion.weight, symbols.s), symbols.s, {})
+        scale = acb(1)
         ends = [acb(-1), *(acb(place / speed - 1) for place in places), acb(1)]
     else:
         scale = 4 / acb.pi()

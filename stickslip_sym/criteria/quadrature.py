@@ -101,7 +101,8 @@ def damping(
     with mp.workdps(digits + _GUARD_DIGITS):
         rule = "tanh-sinh" if law.curve is None else "gauss-legendre"  # of polynomials between kinks
         bound = law.kinetic
-        mu, quick = bound.function(mp.context), _quick(bound)
+        mu = bound.function(mp.context)
+        quick = _quick(bound)
         if bound.near_rest is not None:
             mu = _recover_lost_digits(mu, _order_of_cancellation(bound), own_mpf(speed))
         result = own_mpf(force) * average(mu, bound.exact_kinks, criterion, speed, digits + 2, rule, quick)
@@ -172,7 +173,8 @@ def read_operating_point(
 ) -> tuple[Criterion, Expr, Expr]:
     """Return a criterion, V and N, exactly, or refuse what no criterion has a value for."""
     criterion = find(criterion)
-    speed, force = exact(V, "V"), exact(N, "N")
+    speed = exact(V, "V")
+    force = exact(N, "N")
     symbols.require_sign("V", speed)
     symbols.require_sign("N", force)
     require_type("digits", digits, SupportsIndex, "a whole number")

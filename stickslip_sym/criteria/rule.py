@@ -102,7 +102,8 @@ def _settled_average(slope: Slope, V: FloatArray, A: FloatArray, *others: *_Othe
     Arguments are as for `_sum_over_panels`.
     """
     average, size, off, error = _sum_over_panels(slope, V, A, *others, 1)
-    again, parts = np.flatnonzero(~(error <= SAME * np.abs(average))), 1
+    again = np.flatnonzero(~(error <= SAME * np.abs(average)))
+    parts = 1
     while again.size and parts < _MOST_PARTS:
         parts *= 2
         finer, size[again], off[again], _ = _sum_over_panels(slope, V[again], A[again], *others, parts)
@@ -128,7 +129,8 @@ def _sum_over_panels(
     slopes = slope(V * ((1 - A) + 2 * A * panels.squares))
     # No product of matrices: threads would wait for each other longer than they work.
     fall = slopes * panels.weighted
-    average, size = -fall.sum(axis=1), np.abs(fall).sum(axis=1)
+    average = -fall.sum(axis=1)
+    size = np.abs(fall).sum(axis=1)
     tails = np.abs(np.einsum("...j,kj->...k", fall.reshape(len(V), -1, _PANEL_NODES), _HIGHEST_COEFFICIENTS)).sum(
         axis=(1, 2)
     )
@@ -142,7 +144,8 @@ def _sum_over_panels(
         if jump and parting and speeds[0, 0] < kink < speeds[0, -1]:
             at = int(np.abs(speeds[0] - kink).argmin())
             height = jump * panels.heights[at] / (V * A)[:, 0]
-            average, size = average - height, size + np.abs(height)
+            average = average - height
+            size = size + np.abs(height)
             rises[:, at - (speeds[0, at] >= kink)] -= jump  # of the panel on whose side rounding put the end
     # Slopes at rounded speeds do not add up to the rise where mu is steep; the rise is what counts there.
     summed = (slopes * panels.share).reshape(len(V), -1, _PANEL_NODES).sum(axis=2)
@@ -167,7 +170,8 @@ def _lacking_rise(
     middle = (heights[1:] + heights[:-1]) / 2
 
     # Where in a panel it lacks is not known, nor whether it does where a table may be off by as much.
-    highest, change = np.maximum(heights[1:], heights[:-1]), np.abs(np.diff(heights))
+    highest = np.maximum(heights[1:], heights[:-1])
+    change = np.abs(np.diff(heights))
     uncertain = np.where(amount <= _TABULATED * larger, highest, change)
     return (lack * middle).sum(axis=1), (np.abs(lack) * uncertain).sum(axis=1)
 
@@ -196,8 +200,10 @@ def _graded(criterion: Criterion, parts: int, parting: tuple[float, ...]) -> _Pa
     half = np.diff(ends)[:, None] / 2
     theta = (ends[:-1, None] + half * (1 + _GAUSS)).ravel()
     share = (half * _WEIGHTS).ravel() * np.sin(theta)
-    squares, at_ends = np.sin(theta / 2) ** 2, np.sin(ends / 2) ** 2
-    weights, heights = (_weight(criterion, phases) for phases in (theta, ends))
+    squares = np.sin(theta / 2) ** 2
+    at_ends = np.sin(ends / 2) ** 2
+    weights = _weight(criterion, theta)
+    heights = _weight(criterion, ends)
     return _Panels(at_ends, squares, share, share * weights, heights)
 
 

@@ -37,7 +37,8 @@ class Average:
     """F(V; shapes) = -<g'(V (1 + s); shapes)>_w of a profile g(v; shapes)."""
 
     def __init__(self, profile: Expr, criterion: Criterion) -> None:
-        self.profile, self.criterion = profile, criterion
+        self.profile = profile
+        self.criterion = criterion
         self.shapes = shapes_of(profile)
         self._parts: tuple[Part, ...] | None = None
         self._obstacle = NoClosedForm("nothing was tried")
@@ -59,7 +60,8 @@ class Average:
             try:
                 self._parts = self._integrated(search=search)
             except NoClosedForm as failure:
-                self._obstacle, self._tried = failure, search
+                self._obstacle = failure
+                self._tried = search
         if self._parts is None:
             raise NoClosedForm(*self._obstacle.args)
         return self._formula(self._parts)
@@ -91,7 +93,8 @@ class Average:
         """For each sum b (1 + r v) that is divided by, or in a logarithm or root: b and r, where r may be < 0."""
         lines: dict[Expr, tuple[Expr, Expr]] = {}
         for node in self.profile.atoms(sp.Pow, sp.log):
-            base, exponent = node.args[0], node.exp if node.is_Pow else sp.nan
+            base = node.args[0]
+            exponent = node.exp if node.is_Pow else sp.nan
             if (exponent.is_nonnegative and exponent.is_Integer) or not (
                 base.is_Add and base.is_polynomial(symbols.v)
             ):
@@ -255,12 +258,14 @@ class Differentiated:
     @property
     def value(self) -> Expr:
         """The derivative of the closed form."""
-        V, F = symbols.V, self.source.find()
+        V = symbols.V
+        F = self.source.find()
         return sp.diff(V * F, V) if self.variable == symbols.v else sp.diff(F, self.variable)
 
     def __call__(self, expr: Expr) -> Expr:
         """Differentiate the integral of g under its sign."""
-        g, criterion = self.source.profile, self.source.criterion
+        g = self.source.profile
+        criterion = self.source.criterion
         profile = symbols.v * self.source.slope if self.variable == symbols.v else sp.diff(g, self.variable)
         if normal_form(definition(profile, criterion) - expr) != 0:
             raise ValueError(f"the integral is not the average of the derivative of {g}")
@@ -320,7 +325,7 @@ class Continued:
         return self.value
 
 
-@lru_cache(maxsize=256)
+@lru_cache
 def average_of_profile(profile: Expr, criterion: Criterion) -> Average:
     """Return the average of a profile under a criterion: the same object again, with all that is known of it."""
     return Average(profile, criterion)

@@ -146,7 +146,8 @@ class ClosedForm(Shown, SlopeAverage):
     @cached_property
     def derivation(self) -> Derivation:
         """The steps that lead to the formula, each with its verdict."""
-        criterion, law = self.criterion, self.law
+        criterion = self.criterion
+        law = self.law
         if self.general is not None:
             return self._from_letters(self.general)
         derivation = Derivation(
@@ -221,7 +222,8 @@ class ClosedForm(Shown, SlopeAverage):
     @property
     def _certified(self) -> str:
         """Which certificates of this formula, that prove it again without this package, are run by the tests."""
-        law, name = self.law, self.law.name
+        law = self.law
+        name = self.law.name
         is_there = name is not None and name in laws and laws[name].expr == law.expr
         if not is_there or self.criterion.name not in catalogue:
             return "no certificate was run here"
@@ -397,7 +399,8 @@ class ClosedForm(Shown, SlopeAverage):
         symbols : mapping of str to str, optional
             Names and what they shall be printed as, e.g. ``{"V": "v_b", "alpha": r"\beta"}``.
         """
-        given, (shown, letters) = symbols or {}, self.readable
+        given = symbols or {}
+        (shown, letters) = self.readable
         check_known(given, ["c", *shown.arguments])
         names = notation_of(["c", *shown.arguments], given)
         behind = [printing.latex(relation, names) for relation in (*self.conditions, *self.domain)]
@@ -550,7 +553,9 @@ def _shown_digits(number: Expr) -> int:
 
 def _differentiated(term: Term, criterion: Criterion, parameter: Expr) -> list[Term]:
     """Return the terms of the derivative of a term: of its amplitude, its scale, and its shapes."""
-    amplitude, scale, average = term.amplitude, term.scale, average_of_profile(term.profile, criterion)
+    amplitude = term.amplitude
+    scale = term.scale
+    average = average_of_profile(term.profile, criterion)
     shares = [
         (None, sp.diff(amplitude, parameter), term.profile),
         (v, -amplitude * sp.diff(scale, parameter) / scale, v * average.slope),
@@ -604,7 +609,8 @@ def _name_long_numbers(law: FrictionLaw) -> tuple[FrictionLaw, Mapping[Expr, Exp
 
 def _completed(form: ClosedForm, search: bool) -> ClosedForm:
     check_time()
-    number, total = count(), 3 * len(form.averages) + 1
+    number = count()
+    total = 3 * len(form.averages) + 1
     with stages() as say:
 
         def begin(what: str) -> None:

@@ -151,7 +151,8 @@ class Derivation(Shown, DataResult):
         title = _sentence_latex(self.title, [step.statement for step in self.steps[:1]], known, names)
         parts = [f"\\paragraph{{{heading or title}.}}"]
         for step in self.steps:
-            statement, written = step.statement, _hat_scaled_speeds(step, names)
+            statement = step.statement
+            written = _hat_scaled_speeds(step, names)
             shown = displayed_equation(
                 printing.latex(statement.lhs, written),
                 statement.rhs,
@@ -186,7 +187,8 @@ def _sentence_latex(
         found = re.search(rf"(?<!\w){re.escape(printing.text(formula))}(?!\w)", text)
         if found is not None:
             others = [other for other in formulas if other is not formula]
-            before, after = text[: found.start()], text[found.end() :]
+            before = text[: found.start()]
+            after = text[found.end() :]
             shown = f"${printing.latex(formula, names, inline=True)}$"
             return (
                 _sentence_latex(before, others, known, names)

@@ -40,7 +40,8 @@ def to_ball(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> tuple[arb, b
 
     A zero is believed only where the arithmetic of rationals gives it: everywhere else all digits cancelled.
     """
-    goal, alone = math.ceil(digits * math.log2(10)) + 4, True
+    goal = math.ceil(digits * math.log2(10)) + 4
+    alone = True
 
     def computed() -> arb:
         nonlocal alone
@@ -109,7 +110,7 @@ def _evaluate_by_mpmath(node: Expr, arguments: list[acb]) -> acb:
     return ball_of_mpmath(fine, error)
 
 
-@lru_cache(maxsize=64)
+@lru_cache
 def _compile_packed(kind: type[Expr], lengths: tuple[int, ...], context: Any) -> Callable[..., Mpf]:
     """Compile a function, of whose arguments some are tuples of so many."""
     node = kind(*(sp.Tuple(*sp.symbols(f"x:{n}", cls=sp.Dummy)) if n else sp.Dummy() for n in lengths))

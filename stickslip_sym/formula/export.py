@@ -159,12 +159,14 @@ def export_latex(
     2
     """
     listed = _as_list(forms, ClosedForm, "closed forms: derive(law)")
-    laws, given = dict.fromkeys(form.law for form in listed), symbols or {}
+    laws = dict.fromkeys(form.law for form in listed)
+    given = symbols or {}
     every = ["mu", *quantities.QUANTITIES]
     check_known(given, [*every, *(name for law in laws for name in law.parameters)])
     if any(law.curve is not None for law in laws):
         raise InputError("a law of measured points has no formula to print; write it by export_code or save")
-    parts, marks = [_FRAGMENT if fragment else _PREAMBLE + _introduction(notation_of(every, given))], set[str]()
+    parts = [_FRAGMENT if fragment else _PREAMBLE + _introduction(notation_of(every, given))]
+    marks = set[str]()
     for law in laws:
         plain = key(law.name)
         numbered = (plain if n == 1 else f"{plain}-{n}" for n in itertools.count(1))
@@ -252,7 +254,8 @@ def criterion_latex(form: ClosedForm, label: str) -> str:
 def _criterion_section(
     form: ClosedForm, mark: str, given: Mapping[str, str], steps: bool, certificate: str
 ) -> Iterator[str]:
-    criterion, (shown, letters) = form.criterion, form.readable
+    criterion = form.criterion
+    (shown, letters) = form.readable
     names = notation_of(["mu", *quantities.QUANTITIES, *shown.law.parameters], given)
     source = f" ({prose_latex(criterion.source, {'V': names['V']})})" if criterion.source else ""
     label = f"eq:{mark}-{criterion.label}"
@@ -299,7 +302,8 @@ def _limit_sentences(form: ClosedForm, names: Mapping[str, str]) -> Iterator[str
 
 def _vanishing(form: ClosedForm, names: Mapping[str, str]) -> str:
     """Say at which belt speeds a criterion vanishes, or what its sign is at all of them."""
-    vanishing, V = transition_speeds(form), names["V"]
+    vanishing = transition_speeds(form)
+    V = names["V"]
     if vanishing.everywhere:
         return "It is $0$ at all belt speeds."
     if vanishing.formula is not None:

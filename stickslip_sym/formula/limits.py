@@ -73,7 +73,7 @@ def _leading_limits(limits: list[Expr | None], sign: int) -> Expr | None:
     return None if strength == 0 else strength * symbols.V ** tops[0]  # what is less grows then, and is not known
 
 
-@lru_cache(maxsize=256)
+@lru_cache
 def _average_limit_at_rest(slope: Expr, criterion: Criterion) -> Expr | None:
     """Return the limit of the average of a slope g'(V), or its leading term, as V falls to 0."""
     V = symbols.V
@@ -103,7 +103,7 @@ def _limit_at_rest(slope: Expr, criterion: Criterion) -> Expr | None:
     return None if limit.has(sp.nan, sp.zoo) or (changes and limit.has(sp.oo, -sp.oo)) else limit
 
 
-@lru_cache(maxsize=256)
+@lru_cache
 def _limit_far_out(slope: Expr, criterion: Criterion) -> Expr | None:
     """Return the limit of the average of a slope, or its leading term, as V grows."""
     V = symbols.V

@@ -99,7 +99,8 @@ class SlopeAverage(TermSum, DataResult, by_identity=True):
         if values.keys() != self.arguments.keys():
             for name in values:
                 if name not in self.arguments:
-                    hint, known = suggestion(name, self.arguments), ", ".join(self.arguments)
+                    hint = suggestion(name, self.arguments)
+                    known = ", ".join(self.arguments)
                     raise InputError(f"{name!r} is not an argument of this closed form{hint}; it takes: {known}")
             missing = [name for name in self.arguments if name not in values]
             examples = ", ".join(str(Argument(name)) for name in missing)
@@ -235,10 +236,12 @@ class SlopeAverage(TermSum, DataResult, by_identity=True):
 
     def _total(self, values: Sequence[Numbers]) -> Numbers:
         """Add up the terms; NaN where they cancel, or one has no branches."""
-        parts, count = [self._part(term, values) for term in self.functions], count_of(values)
+        parts = [self._part(term, values) for term in self.functions]
+        count = count_of(values)
         if not count:
             floats = [float(part) for part in parts]
-            total, sizes = sum(floats, 0.0), sum(map(abs, floats), 0.0)
+            total = sum(floats, 0.0)
+            sizes = sum(map(abs, floats), 0.0)
             kept = len(parts) < 2 or sizes <= CANCELLED * abs(total) or sizes <= self._unit(values)[0]
             return total if kept else math.nan
         result = np.array(np.broadcast_to(parts[0] if parts else 0.0, count))

@@ -71,18 +71,21 @@ def _rooted(factor: Expr) -> Expr:
 @lru_cache(maxsize=128, typed=True)
 def factored(expr: Expr) -> Expr:
     """Factor as SymPy does, sums by FLINT, which takes no longer for some of them than for others."""
-    number, powers = sp.S.One, defaultdict[Expr, Expr](lambda: sp.S.Zero)
+    number = sp.S.One
+    powers = defaultdict[Expr, Expr](lambda: sp.S.Zero)
     for part in sp.Mul.make_args(sp.together(expr)):
         base, exponent = part.as_base_exp()
         if base.is_Add and (constant := sp.expand(base)).is_number:  # as (V - 1) (V + 1) - V^2
-            part, base = constant**exponent, constant
+            part = constant**exponent
+            base = constant
         polynomial = sp.Poly(base) if base.is_Add and exponent.is_Integer else None
         if polynomial is None or not (polynomial.domain.is_ZZ or polynomial.domain.is_QQ):
             coefficient, rest = sp.factor(part).as_coeff_Mul(rational=True)
             pairs = [rest.as_base_exp() if base.is_Add else (rest, sp.S.One)]
         else:
             content, factors = _flint_factors(polynomial)
-            coefficient, pairs = content**exponent, [(factor, k * exponent) for factor, k in factors]
+            coefficient = content**exponent
+            pairs = [(factor, k * exponent) for factor, k in factors]
         number *= coefficient
         for factor, power in pairs:
             powers[factor] += power

@@ -73,7 +73,8 @@ def _speeds_at_typical_values(form: ClosedForm) -> TransitionSpeeds:
     if law.missing:
         return TransitionSpeeds()
     point = law.point
-    sign, values = _sign_of_average(form, point), _zeros_of_rational_function(form.expr, point)
+    sign = _sign_of_average(form, point)
+    values = _zeros_of_rational_function(form.expr, point)
     if sign is not None:
         values = ()
     return TransitionSpeeds(values=values, sign=sign, at_typical_values=bool(point))

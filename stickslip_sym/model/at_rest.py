@@ -88,7 +88,8 @@ def rises_of(segments: Sequence[tuple[Expr, Expr]], values: Mapping[Expr, Expr])
 
 
 def _rise_of_piece(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -> Rising:
-    plain, onset = function_at(piece, values, "numpy"), limit_at_rest(lowest, values)
+    plain = function_at(piece, values, "numpy")
+    onset = limit_at_rest(lowest, values)
     # A piece that begins at 0 has the 0 itself in its formula, so that what is 0 there is left out.
     gained = stable_difference(piece, symbols.v, _START if start else start)
     before = 0.0
@@ -135,7 +136,8 @@ def _term_by_term(piece: Expr, start: Expr, values: Mapping[Expr, Expr]) -> list
         plain = function_at(term, values, "numpy")
 
         def rising(v: FloatArray) -> FloatArray:
-            value, difference = reals(by_products(v)) + 0.0 * v, reals(plain(v)) - float(low)
+            value = reals(by_products(v)) + 0.0 * v
+            difference = reals(plain(v)) - float(low)
             return np.where(np.isfinite(value), value, difference)
 
         return rising
@@ -187,7 +189,8 @@ def stable_difference(expr: Expr, variable: Expr, start: Expr) -> Expr | None:
 
 def _difference_of_power(node: Expr, low: Expr, base: tuple[Expr, Expr], exponent: tuple[Expr, Expr]) -> Expr:
     """Return how far a power is from its value at the start, by the values and differences of its two parts."""
-    (base_low, base_rise), (power, power_rise) = base, exponent
+    (base_low, base_rise) = base
+    (power, power_rise) = exponent
     if power_rise != 0:  # that of p log(b) is (p_0 + rise of p) (rise of log b) + (rise of p) log(b_0)
         if base_low == 0:
             raise _NoValue

@@ -192,7 +192,8 @@ class BoundLaw:
             self.curve.require_speed(speed.max(), self.label)
         result = self.at_speeds(speed, derivative=derivative)
         if (missing := np.isnan(result)).any():
-            what, first = "slope" if derivative else "value", speed[missing].flat[0]
+            what = "slope" if derivative else "value"
+            first = speed[missing].flat[0]
             raise InputError(f"{self.label} has no {what} in double precision at the slip speed v = {first}")
         return float(result) if result.ndim == 0 else result
 
@@ -243,7 +244,7 @@ class BoundLaw:
             return replace(self.kinetic.table, static=static)
         return FrictionTable.of(self._smooth, self.point, self.onset, self.reach)
 
-    @lru_cache(maxsize=256)  # noqa: B019  # equal laws share them
+    @lru_cache  # noqa: B019  # equal laws share them
     def table_up_to(self, end: float) -> FrictionTable:
         """Return the table of a derivative of a law by a parameter, which may end at a slip speed in m/s."""
         return FrictionTable.of(self._smooth, self.point, self.onset, self.reach, end)
@@ -257,6 +258,6 @@ class BoundLaw:
         return [Smooth(*rise, formula) for rise, formula in zip(self.rises, formulas, strict=True)]
 
 
-@lru_cache(maxsize=256)
+@lru_cache
 def _same_law(law: BoundLaw) -> BoundLaw:
     return law

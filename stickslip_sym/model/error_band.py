@@ -12,7 +12,8 @@ NORMAL = 1.96
 
 def error_band(law: FrictionLaw, v: FloatArray, quantile: float = NORMAL) -> tuple[FloatArray, FloatArray]:
     """Return mu less and plus so many of its standard errors, which are those of the parameters to first order."""
-    mu, half = law.at_speeds(v), np.zeros(v.shape)
+    mu = law.at_speeds(v)
+    half = np.zeros(v.shape)
     if law.uncertain:
         covariance = np.array(covariance_matrix(list(law.uncertain.values())))
         by = np.array([law.partial(name).at_speeds(v) for name in law.uncertain])

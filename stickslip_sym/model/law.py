@@ -132,7 +132,8 @@ class FrictionLaw(Shown, DataResult):
     ) -> Self:
         """Return the law that a piecewise cubic is, with its name, its source, and where it holds."""
         law = cls(0, name=name, source=source, validity=validity)
-        law.expr, law.curve = curve.expr, curve
+        law.expr = curve.expr
+        law.curve = curve
         return law
 
     @classmethod

@@ -37,7 +37,8 @@ def law_out(law: FrictionLaw) -> dict[str, object]:
 
 def law_in(content: dict[str, Any]) -> FrictionLaw:
     """Return the law that `law_out` wrote; other content is refused by one error of Python or another."""
-    about, static = {key: content[key] for key in _ABOUT}, content["static"]
+    about = {key: content[key] for key in _ABOUT}
+    static = content["static"]
     require_type("static", static, str | None, "text")
     parameters = [Parameter(**described) for described in content["parameters"]]
     if "places" in content:

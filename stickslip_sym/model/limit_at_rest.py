@@ -10,7 +10,7 @@ from stickslip_sym.core.functions import elementary, fold
 from stickslip_sym.model.expression.pieces import kinked
 
 
-@lru_cache(maxsize=256)
+@lru_cache
 def symbolic_limit_at_rest(expr: Expr) -> Expr:
     """Return the limit of an expression in v and parameters as v falls to 0; `sympy.nan` if none is found.
 

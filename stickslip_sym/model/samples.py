@@ -75,9 +75,11 @@ class SampledCurve:
                 InputWarning,
                 stacklevel=3,
             )
-            places, cubics = [sp.Integer(0), *places], [(coefficients[0], *_LEVEL), *cubics]
+            places = [sp.Integer(0), *places]
+            cubics = [(coefficients[0], *_LEVEL), *cubics]
         if extrapolate:
-            places, cubics = [*places, speeds[-1]], [*cubics, (coefficients[-1], *_LEVEL)]
+            places = [*places, speeds[-1]]
+            cubics = [*cubics, (coefficients[-1], *_LEVEL)]
         return cls(tuple(places), tuple(cubics), None if extrapolate else speeds[-1])
 
     @property
@@ -145,7 +147,8 @@ def _checked(v: Iterable[Number], mu: Iterable[Number]) -> tuple[list[Rational],
     for name, values in (("v", v), ("mu", mu)):
         if isinstance(values, str) or not isinstance(values, Iterable):
             raise InputError(f"{name} is a sequence of numbers, got {type(values).__name__}")
-    v, mu = list(v), list(mu)
+    v = list(v)
+    mu = list(mu)
     if len(v) != len(mu):
         raise InputError(f"v has {len(v)} numbers and mu {len(mu)}; give one mu for each v")
     if len(v) < FEWEST:
@@ -180,14 +183,16 @@ def _as_written(value: Number) -> Number:
 def _hermite_cubics(x: Sequence[Rational], y: Sequence[Rational]) -> list[tuple[Rational, ...]]:
     """Return the coefficients of the Hermite cubic of each interval, in powers of the distance from its start."""
     # Scaled, so that neither subnormal nor huge speeds harm the slopes, which are then made exact.
-    width, height = x[-1], max(map(abs, y)) or sp.Integer(1)
+    width = x[-1]
+    height = max(map(abs, y)) or sp.Integer(1)
     scaled = PchipInterpolator([float(value / width) for value in x], [float(value / height) for value in y])
     d = [binary_fraction(slope) * height / width for slope in scaled(scaled.x, nu=1)]
     cubics = []
     for i, ((x0, y0), (x1, y1)) in enumerate(pairwise(zip(x, y, strict=True))):
         step = x1 - x0
         rise = (y1 - y0) / step
-        second, third = (3 * rise - 2 * d[i] - d[i + 1]) / step, (d[i] + d[i + 1] - 2 * rise) / step**2
+        second = (3 * rise - 2 * d[i] - d[i + 1]) / step
+        third = (d[i] + d[i + 1] - 2 * rise) / step**2
         cubics.append((y0, d[i], second, third))
     return cubics
 

@@ -183,7 +183,10 @@ class FrictionTable:
         farthest = FARTHEST if upto is None else upto
         segments = [segment for segment in segments if segment.start < farthest]
         ends = [*(segment.start for segment in segments[1:]), min(reach, farthest)]
-        parts, kinks, firsts, end = list[FloatArray](), list[float](), [0], 0.0
+        parts = list[FloatArray]()
+        kinks = list[float]()
+        firsts = [0]
+        end = 0.0
         with np.errstate(all="ignore"), working_precision(_BALL_BITS):
             for (start, rising, formula), high in zip(segments, ends, strict=True):
                 segment = _Segment(rising, onset, start, high, upto is not None)
@@ -222,7 +225,8 @@ class FrictionTable:
     @cached_property
     def narrow(self) -> FloatArray:
         """Ends of the pieces that are narrow beside their own speed, where mu varies quickly; a row each."""
-        low, high = self.pieces[:, 0], np.append(self.pieces[1:, 0], self.end)
+        low = self.pieces[:, 0]
+        high = np.append(self.pieces[1:, 0], self.end)
         return np.column_stack([low, high])[high - low < _NARROW_OVER_SPEED * low]
 
     def resolved(self, low: ArrayLike, high: ArrayLike, phases: ArrayLike) -> BoolArray:
@@ -240,7 +244,7 @@ class FrictionTable:
         missed: BoolArray = (begin < end) & (end - begin < np.pi / phases)
         return ~missed.any(axis=-1) & (high[..., 0] <= self.end)
 
-    @lru_cache(maxsize=64)  # noqa: B019  # few tables live as long
+    @lru_cache  # noqa: B019  # few tables live as long
     def at(self, V: float, *, arrays: bool = False) -> Rise:
         """Return the rise as a function of w = v/V, as lists for plain Python or as arrays for compiled code."""
         pieces = self.pieces / np.array([V, V, 1 / V, *np.ones(_DEGREE + 1)])
@@ -260,7 +264,8 @@ class FrictionTable:
 
         They are narrow, or a narrow piece comes before them, and is not as wide.
         """
-        low, width = self.pieces[:, 0], np.diff(self.pieces[:, 0], append=self.end)
+        low = self.pieces[:, 0]
+        width = np.diff(self.pieces[:, 0], append=self.end)
         leap = width < _LEAP * low
         return 1 + np.flatnonzero((leap[1:] | leap[:-1]) & ~np.isclose(width[1:], width[:-1], atol=0))
 
@@ -276,7 +281,8 @@ class FrictionTable:
 
 def _values_at(pieces: FloatArray, v: FloatArray, derivative: bool) -> FloatArray:
     """Return polynomials, or their slopes, each at a speed."""
-    t, value = (v - pieces[..., 1]) * pieces[..., 2], np.zeros_like(v)
+    t = (v - pieces[..., 1]) * pieces[..., 2]
+    value = np.zeros_like(v)
     for k in range(_DEGREE, -1 + derivative, -1):
         value = value * t + pieces[..., k + 3] * (k if derivative else 1)
     return value * pieces[..., 2] if derivative else value
@@ -401,7 +407,8 @@ class _Segment:
         """
         if not self.slopes:
             return True
-        first, bounds = min(self.cuts, cuts), [0.0]
+        first = min(self.cuts, cuts)
+        bounds = [0.0]
 
         def holds(low: float, high: float, halvings: int) -> bool:
             bounds.append(self.bound(low, high, steepest))
@@ -434,7 +441,7 @@ def _row(one: Interval[float, None], powers: FloatArray) -> FloatArray:
     return np.array([one.low, (one.low + one.high) / 2, 2 / (one.high - one.low), *powers])
 
 
-@lru_cache(maxsize=256)  # laws with other values share them
+@lru_cache  # laws with other values share them
 def _slopes(expr: Expr) -> list[Expr]:
     """Return the slope of a formula as it stands, and over one denominator, where algebraic terms cancel less."""
     slope = slope_of(expr)
@@ -464,7 +471,9 @@ def _is_transcendental(node: Expr) -> bool:
 
 def _first(segment: _Segment) -> tuple[FloatArray, float]:
     """Return the piece at rest, where the rise is v g(v), as wide as it fits, and where it ends."""
-    rising, onset, high = segment.rising, segment.onset, segment.high
+    rising = segment.rising
+    onset = segment.onset
+    high = segment.high
     widths = high * 2.0 ** -np.arange(max(1.0, math.floor(math.log2(high / _LOWEST))))[::-1]
     nodes = _CHEBYSHEV_GRID.between(np.zeros_like(widths), widths)
     values = rising(nodes)
@@ -483,7 +492,8 @@ def _first(segment: _Segment) -> tuple[FloatArray, float]:
             <= _RISE_NOISE * np.abs(values) + noise
         )
         for i in np.flatnonzero(fits & own.all(axis=1))[::-1]:
-            below, there = nodes[: i + 1], values[: i + 1]
+            below = nodes[: i + 1]
+            there = values[: i + 1]
             fitted = below * polynomial_values(coefficients[i], 2 * below / widths[i] - 1)
             if (np.abs(fitted - there) <= _RISE_NOISE * np.abs(there) + noise).all() and (
                 segment.is_sure(0.0, widths[i], steepest[i], 0)

@@ -80,13 +80,15 @@ class TaylorModel:
     unit: int
 
     def __add__(self, other: "TaylorModel") -> "TaylorModel":
-        low, top = min(self.low, other.low), min(self.top, other.top)
+        low = min(self.low, other.low)
+        top = min(self.top, other.top)
         total = self.polynomial.left_shift(self.low - low) + other.polynomial.left_shift(other.low - low)
         rest = sum((one.rest * self.radius ** (one.top - top) for one in (self, other)), arb(0))
         return self._cut(low, total, top, rest)
 
     def __mul__(self, other: "TaylorModel") -> "TaylorModel":
-        low, radius = self.low + other.low, self.radius
+        low = self.low + other.low
+        radius = self.radius
         tops = self.top + other.low, other.top + self.low
         top = min(tops)
         sizes = _bound_within_radius(other.polynomial, radius), _bound_within_radius(self.polynomial, radius)
@@ -159,7 +161,8 @@ class TaylorModel:
             raise NotAnalytic("a function is not bounded")
         if self.size == 0:
             return self.constant(coefficients[0])
-        count, inner = self.top, self.polynomial.left_shift(self.low)
+        count = self.top
+        inner = self.polynomial.left_shift(self.low)
         with working_precision(ctx.prec, count):
             whole, sizes = (
                 arb_series(list(map(of, coefficients)))(arb_series(list(map(of, inner)))) for of in (_same, abs)
@@ -175,7 +178,8 @@ class TaylorModel:
         radius = self.radius / 2
         coefficients = [(self.low + k) * c / self.unit for k, c in enumerate(self.polynomial)]
         rest = self.rest * (abs(self.top) + radius / (self.radius - radius)) / self.unit
-        low, top = self.low - self.unit, self.top - self.unit
+        low = self.low - self.unit
+        top = self.top - self.unit
         return replace(self, radius=radius)._cut(low, arb_poly(coefficients), top, rest)
 
     def within(self, v: acb) -> bool:
@@ -242,7 +246,9 @@ class ExpansionAlgebra(Generic[S]):
     """The algebra by which a formula is expanded from what v is, with so many coefficients of each function."""
 
     def __init__(self, point: Mapping[Expr, Expr], v: S, count: int) -> None:
-        self.point, self.v, self.count = point, v, count
+        self.point = point
+        self.v = v
+        self.count = count
 
     def __call__(self, node: Expr, parts: list[S]) -> S:
         """Expand a node, from its arguments."""
@@ -303,12 +309,13 @@ def _bound_on_disc(function: Function, start: arb, farther: arb) -> arb:
     return arb(function.ball(around).abs_upper())
 
 
-@lru_cache(maxsize=256)
+@lru_cache
 def _taylor_coefficients(
     kind: Any, middle: tuple[int, int], radius: tuple[int, int], count: int, bits: int
 ) -> tuple[arb, ...]:
     """Return the first coefficients of a function around a ball."""
-    x, start = sp.Dummy(), arb(middle, radius)
+    x = sp.Dummy()
+    start = arb(middle, radius)
     with working_precision(bits, count + 1):
         series = series_function(kind(x), x, {})(arb_series([start, 1], prec=count + 1))
         coefficients = tuple(series[k] for k in range(count + 1))
@@ -326,7 +333,8 @@ def unit_of_powers(expr: Expr, point: Mapping[Expr, Expr]) -> int:
 def cancels(coefficients: Sequence[arb]) -> bool:
     """Whether coefficients of one power of v have no sum, as far as balls can say."""
     with working_precision(_BITS_OF_FLOATS):
-        total, size = sum(coefficients, arb(0)), sum(map(abs, coefficients), arb(0))
+        total = sum(coefficients, arb(0))
+        size = sum(map(abs, coefficients), arb(0))
         return bool(total.abs_upper() <= _RELATIVE_SIZE_OF_ZERO * size)
 
 
@@ -364,7 +372,7 @@ def taylor_model(expr: Expr, point: Mapping[Expr, Expr]) -> TaylorModel | None:
     return _made(expr, tuple(point.items()), ctx.prec)
 
 
-@lru_cache(maxsize=128)
+@lru_cache
 def _made(expr: Expr, point: tuple[tuple[Expr, Expr], ...], bits: int) -> TaylorModel | None:
     whole = sp.factor_terms(expr)  # a common factor, inexact, would hide that terms cancel
     model = _model_with_pole(whole, dict(point), bits)
@@ -373,7 +381,8 @@ def _made(expr: Expr, point: tuple[tuple[Expr, Expr], ...], bits: int) -> Taylor
 
 def _model_with_pole(expr: Expr, point: Mapping[Expr, Expr], bits: int) -> TaylorModel | None:
     """Return the model of a function that may have a pole at v = 0."""
-    unit, count = unit_of_powers(expr, point), min(bits // 3 + 10, _MOST_TERMS)
+    unit = unit_of_powers(expr, point)
+    count = min(bits // 3 + 10, _MOST_TERMS)
     if unit > _FINEST_UNIT:
         return None
     for halvings in range(_RADII):
@@ -459,7 +468,8 @@ def balls_from_rest(mu: Expr, point: Mapping[Expr, Expr], *, slope: Expr | None 
     def of_balls(v: acb, analytic: bool) -> acb:
         if not series.within(v):
             return direct(v, analytic)
-        by_series, by_formula = series.ball(v, analytic), direct(v, analytic)
+        by_series = series.ball(v, analytic)
+        by_formula = direct(v, analytic)
         narrower = by_formula.is_finite() and by_formula.real.rad() < by_series.real.rad()
         return by_formula if narrower else by_series
 

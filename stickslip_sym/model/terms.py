@@ -65,7 +65,7 @@ def shapes_of(profile: Expr) -> tuple[Expr, ...]:
     return tuple(sorted(profile.free_symbols - {symbols.v}, key=lambda symbol: (len(symbol.name), symbol.name)))
 
 
-@lru_cache(maxsize=256)
+@lru_cache
 def terms_of(mu: Expr) -> tuple[Term, ...]:
     """Split a coefficient mu(v) into terms; their sum is mu(v).
 
@@ -74,7 +74,8 @@ def terms_of(mu: Expr) -> tuple[Term, ...]:
     Parts that are infinite at rest, or grow far out, and cancel there are one term: (1 - exp(-v))/v.
     """
     v = symbols.v
-    polynomial, terms = sp.Integer(0), []
+    polynomial = sp.Integer(0)
+    terms = []
     parts = grouped(mu, v)
     for group in _cancelling(parts):
         terms.append(_scaled(sp.Integer(1), sp.Add(*(parts.pop(rest) * rest for rest in group))))
@@ -186,7 +187,8 @@ def _term_of_scale(constant: Expr, rest: Expr, scale: Expr) -> Term:
     if profile.is_polynomial(symbols.v) and not shapes_of(profile):
         polynomial = sp.Poly(profile, symbols.v)
         content, monic = polynomial.monic().as_expr().as_content_primitive()
-        coefficient, profile = coefficient * polynomial.LC() * content, monic
+        coefficient = coefficient * polynomial.LC() * content
+        profile = monic
     meanings: dict[Expr, Expr] = {}
     profile = _replace_parameters(profile, meanings)
     shapes = {symbol: meaning for meaning, symbol in meanings.items()}
@@ -240,7 +242,8 @@ def _simplified_pieces(node: Expr) -> Expr:
 
 def _normalise_factors(product: Expr) -> Expr:
     """Write each power of a polynomial in a product with 1 for its constant coefficient, or its highest one."""
-    plain, v = [], symbols.v
+    plain = []
+    v = symbols.v
     for factor in sp.Mul.make_args(product):
         base, exponent = factor.as_base_exp()
         if base != v and base.has(v) and base.free_symbols != {v} and base.is_polynomial(v):

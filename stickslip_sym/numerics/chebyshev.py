@@ -23,7 +23,8 @@ class Grid:
 
     def __init__(self, n: int) -> None:
         self.n = n
-        steps, orders = 2 * np.arange(n) + 1 - 2 * n, np.arange(n)
+        steps = 2 * np.arange(n) + 1 - 2 * n
+        orders = np.arange(n)
         cosines = _cosines(np.outer(steps, orders), n)
         weights = np.where(orders == 0, 1.0, 2.0) / n
         self.nodes: FloatArray = _cosines(steps, n)
@@ -46,7 +47,8 @@ class Grid:
 
     def between(self, low: FloatArray, high: FloatArray) -> FloatArray:
         """Return the nodes of intervals, a row for each."""
-        centres, halves = (low + high) / 2, (high - low) / 2
+        centres = (low + high) / 2
+        halves = (high - low) / 2
         return np.asarray(centres[..., None] + halves[..., None] * self.nodes)
 
 

@@ -108,7 +108,8 @@ class Column:
         - `low`, `high`: what bounds those all the same.
         """
         known = ~np.isnan(values)
-        least, most = np.where(known, values - errors, low), np.where(known, values + errors, high)
+        least = np.where(known, values - errors, low)
+        most = np.where(known, values + errors, high)
         return cls(values, least, most, np.where(known, 0, 1), (why,))
 
     @classmethod
@@ -147,7 +148,9 @@ class Column:
 
     def replaced(self, rows: BoolArray, others: "Column") -> "Column":
         """Return the same with other numbers in some rows."""
-        values, low, high = self._values.copy(), self.low.copy(), self.high.copy()
+        values = self._values.copy()
+        low = self.low.copy()
+        high = self.high.copy()
         codes = self.codes.copy()
         values[rows], low[rows], high[rows] = others._values, others.low, others.high
         codes[rows] = np.where(others.known, 0, others.codes + len(self.reasons))

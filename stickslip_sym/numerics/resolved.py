@@ -170,19 +170,23 @@ class Resolved:
         From each to the next the function only rises, or only falls, within its errors. Ends of the range count,
         and so do kinks and both sides of jumps and of open stretches.
         """
-        extrema, way = list[Turn](), 0
+        extrema = list[Turn]()
+        way = 0
         turns = [turn for turns in self._turns for turn in turns]
         if not turns:
             return ()
         least = most = turns[0]
         for turn in turns:
-            least, most = min(least, turn, key=_value), max(most, turn, key=_value)
+            least = min(least, turn, key=_value)
+            most = max(most, turn, key=_value)
             if way >= 0 and most.value - turn.value > most.error + turn.error:
                 extrema.append(most)
-                least, way = turn, -1
+                least = turn
+                way = -1
             elif way <= 0 and turn.value - least.value > turn.error + least.error:
                 extrema.append(least)
-                most, way = turn, 1
+                most = turn
+                way = 1
         return (*extrema, least if way < 0 else most)
 
     def roots(self, level: float = 0.0) -> list[Root]:
@@ -315,7 +319,8 @@ def _sketched(low: float, high: float, row: Column, rtol: float) -> tuple[Decisi
     last = float(tail(coefficients, _TAIL_LENGTH))
     piece = Piece(low, high, coefficients, float(_ERRORS_OF_COEFFICIENT * row.errors.max() + last))
     sides = [turn.value for turn in piece.turns]
-    largest, limit = max(map(abs, sides)), min(map(abs, sides)) / _ERRORS_OF_TURNS
+    largest = max(map(abs, sides))
+    limit = min(map(abs, sides)) / _ERRORS_OF_TURNS
     if min(sides) < 0.0 < max(sides):
         limit = min(limit, _LEFT_OUT_BESIDE_ROOTS * largest)
     if piece.error <= limit:

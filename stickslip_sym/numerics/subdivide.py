@@ -168,7 +168,9 @@ def subdivide(
     """
     waiting = [Interval[X, N](low, high, 0, i, None) for i, (low, high) in enumerate(edges)]
     waiting.reverse()  # the lowest last
-    accepted, undecided, parts = list[Accepted[X, P]](), list[Open[X, N]](), [0] * len(waiting)
+    accepted = list[Accepted[X, P]]()
+    undecided = list[Open[X, N]]()
+    parts = [0] * len(waiting)
     while waiting:
         check_time()
         batch = waiting[-at_once:][::-1]

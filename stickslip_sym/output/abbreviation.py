@@ -34,7 +34,8 @@ def displayed_equation(
     - `letters`: symbols of the right side, and the numbers that they stand for.
     - `style`: what `displayed` takes.
     """
-    known, definitions = dict(names), Definitions()
+    known = dict(names)
+    definitions = Definitions()
     wide = width(latex(right, names))
     if wide > LINE:
         right, definitions = _repeated(right, is_long=wide > _MANY_LINES * LINE)
@@ -96,7 +97,8 @@ def _repeated(expr: Expr, *, is_long: bool) -> tuple[Expr, Definitions]:
 
     In a formula that `is_long`, shorter parts have one too if they stand there often.
     """
-    definitions, written = Definitions(), cache(text)
+    definitions = Definitions()
+    written = cache(text)
     while True:
         nodes = [node for node in sp.preorder_traversal(expr) if isinstance(node, sp.Expr) and node.args]
         roots = Counter(node.base for node in nodes if _is_root(node))

@@ -143,6 +143,7 @@ def write_npz(path: Path, arrays: "Mapping[str, ArrayLike]") -> None:
     """Write arrays as ``numpy.savez_compressed`` does, which notes no time, as `write_text` does."""
     import numpy as np
 
-    buffer, named = io.BytesIO(), dict[str, Any](arrays)
+    buffer = io.BytesIO()
+    named = dict[str, Any](arrays)
     np.savez_compressed(buffer, **named)
     write_text(path, buffer.getvalue())

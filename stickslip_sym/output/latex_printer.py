@@ -55,7 +55,8 @@ _KINDS = {
 
 def binding(latex: str) -> Binding:
     """Return what a text is read as."""
-    weakest, depth = Binding.FACTOR, 0
+    weakest = Binding.FACTOR
+    depth = 0
     for token in _TOKEN.finditer(latex):
         text = token[0]
         if depth == 0:
@@ -95,13 +96,16 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
 
     def __init__(self, names: Mapping[str, str], dummies: Mapping[Expr, str], *, slashes: bool) -> None:
         super().__init__({"diff_operator": "rd"})
-        self.dummies, self._names_of, self._slashes = dummies, names, slashes
+        self.dummies = dummies
+        self._names_of = names
+        self._slashes = slashes
         self._taken = frozenset(map(look, names.values()))
 
     @contextmanager
     def _flat(self) -> Iterator[None]:
         """Print fractions with slashes."""
-        before, self._slashes = self._slashes, True
+        before = self._slashes
+        self._slashes = True
         try:
             yield
         finally:
@@ -168,11 +172,13 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         return text
 
     def _print_Mul(self, expr: Expr) -> str:
-        number, parts = sp.Integer(1), []
+        number = sp.Integer(1)
+        parts = []
         for factor in expr.args:
             content, primitive = factor.primitive() if factor.is_Add else (factor, sp.S.One)
             if content.is_Rational and (content.is_Integer or not factor.is_Add):  # 2 (a - b), not 2 a - 2 b
-                number, factor = number * content, primitive
+                number *= content
+                factor = primitive
             if factor is not sp.S.One:
                 parts.append(factor)
         for position, factor in enumerate(parts):
@@ -194,11 +200,14 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             for factor in parts
             if _is_below(factor)
         ]
-        above, under = sp.Integer(number.p), sp.Integer(number.q)
+        above = sp.Integer(number.p)
+        under = sp.Integer(number.q)
         if decimal(number, shortest=True):
-            above, under = number, sp.S.One
+            above = number
+            under = sp.S.One
         elif is_over_decimal(number):
-            above, under = sp.S.One, 1 / number
+            above = sp.S.One
+            under = 1 / number
         if not below and under == 1:
             return self._row(above, top)
         with self._flat():
@@ -209,7 +218,8 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         head = [factor for factor in top if self._place(factor)[0] <= _SPEED or self._is_short(factor)]
         tail = [factor for factor in top if factor not in head]
         if not head and above == 1 and len(tail) == 1 and _length(self._print(tail[0])) < _SHORT_CHARACTERS:
-            head, tail = tail, []
+            head = tail
+            tail = []
         with self._flat():
             fraction = f"\\frac{{{self._row(above, head)}}}{{{denominator}}}"
         return self._row(1, tail, fraction) if tail else fraction
@@ -253,7 +263,8 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
     # -- powers and functions ------------------------------------------------------------------------
 
     def _print_Pow(self, expr: Expr) -> str:
-        base, exponent = expr.base, expr.exp
+        base = expr.base
+        exponent = expr.exp
         if base is sp.E:
             return self._print_exp(sp.exp(exponent, evaluate=False))
         if _is_below(expr):

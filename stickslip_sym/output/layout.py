@@ -62,7 +62,8 @@ def _part(tokens: Sequence[str], i: int) -> tuple[float, int]:
     """Return the width of a token with its arguments, or of a group, and where the next one begins."""
     if i >= len(tokens):
         return 0.0, i
-    token, i = tokens[i], i + 1
+    token = tokens[i]
+    i += 1
     if token == "{":
         total = 0.0
         while i < len(tokens) and tokens[i] != "}":
@@ -112,7 +113,10 @@ def displayed(left: str, right: str, *, relation: str = "=", label: str = "", ta
 def _broken(latex: str, first: float, later: float) -> list[str]:
     """Break a formula into lines of at most so many points, the first one of another length."""
     places, end = _places(latex)
-    rows, begin, done, line = [], 0, 0.0, first
+    rows = []
+    begin = 0
+    done = 0.0
+    line = first
     while end - done > line:
         left = [place for place in places if place[0] > begin]
         # What is wider than a line, and cannot be broken, stands alone at least.
@@ -123,7 +127,9 @@ def _broken(latex: str, first: float, later: float) -> list[str]:
         depth = min(place[1] for place in good)
         position, _, before = max(place for place in good if place[1] == depth)
         rows.append(latex[begin:position].rstrip())
-        begin, done, line = position, before, later
+        begin = position
+        done = before
+        line = later
     rows.append(latex[begin:])
     return rows[:1] + [f"{{}}{row}" for row in rows[1:]]
 
@@ -134,7 +140,12 @@ def _places(latex: str) -> tuple[list[tuple[int, int, float]], float]:
     Never inside a group, or between \left and \right.
     """
     tokens = _TOKEN.findall(latex)
-    breaks, position, depth, fixed, total, i = [], 0, 0, 0, 0.0, 0
+    breaks = []
+    position = 0
+    depth = 0
+    fixed = 0
+    total = 0.0
+    i = 0
     while i < len(tokens):
         token = tokens[i]
         if token in "+-" and not fixed and i and tokens[i - 1].isspace() and tokens[i + 1].isspace():

@@ -37,7 +37,8 @@ def latex_name(name: str) -> str:
     head, *subscripts = (part for part in name.split("_") if part)
     match = _PARTS.fullmatch(head)
     if match and match[2]:
-        head, subscripts = match[1], [match[2], *subscripts]
+        head = match[1]
+        subscripts = [match[2], *subscripts]
     written = [part if part.isdigit() else f"\\mathrm{{{part}}}" for part in subscripts]
     return _base(head) + (f"_{{{','.join(written)}}}" if written else "")
 

@@ -59,7 +59,8 @@ class Readable:
 class _Text(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
     def __init__(self, dummies: Mapping[Expr, str], least: int) -> None:
         super().__init__()
-        self.dummies, self._least = dummies, least
+        self.dummies = dummies
+        self._least = least
 
     def _print_Dummy(self, expr: Expr) -> str:
         return self.dummies[expr]

@@ -61,7 +61,8 @@ def columns_of_crosscheck(check: CrossCheck) -> Columns:
 @columns.register(Trade)
 def columns_of_trade(trade: Trade) -> Columns:
     """Return the columns with what else was measured, and by which methods each is dominated."""
-    usual, dominators = columns.dispatch(Comparison)(trade), trade.dominators
+    usual = columns.dispatch(Comparison)(trade)
+    dominators = trade.dominators
     if trade.number == "share":
         usual = {"share" if name == "c in kg/s" else name: cell for name, cell in usual.items()}
     for name in dict.fromkeys(name for row in trade.rows for name in row.further):
@@ -145,7 +146,8 @@ def draw_trade(trade: Trade, ax: "Axes") -> list[Any]:
 
     A method has a colour, and its settings have different markers. It has its legend already.
     """
-    dominators, front = trade.dominators, list[tuple[float, float]]()
+    dominators = trade.dominators
+    front = list[tuple[float, float]]()
     methods = list(dict.fromkeys(row.method for row in trade.rows))
     settings = Counter[str]()
     for row in (row for row in trade.rows if row.value is not None):

@@ -41,7 +41,8 @@ def parts_of_fit(fit: Fit) -> list[str | HeadedRows]:
 @dispatch.parts.register(Fits)
 def parts_of_fits(fits: Fits) -> list[str | HeadedRows]:
     """Return what was measured, the laws that may be meant by rank, and the others by name."""
-    rows, least = [], min(fit.aicc for fit in fits)
+    rows = []
+    least = min(fit.aicc for fit in fits)
     for fit in fits.likely:
         above = f"{fit.aicc - least:.1f}" if math.isfinite(fit.aicc) else "-"
         rows.append([fit.name, above, f"{fit.weight:.3f}", f"{fit.sigma:.3g}", fit.values_in_words])

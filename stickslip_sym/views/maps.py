@@ -139,7 +139,8 @@ def draw_cells(cells: CellMap, ax: "Axes") -> "list[Artist]":
     from matplotlib.patches import Patch, PathPatch
 
     place, kinds = cells.regions()
-    x_edges, y_edges = _edges(cells.x.values), _edges(cells.y.values)
+    x_edges = _edges(cells.x.values)
+    y_edges = _edges(cells.y.values)
     ax.pcolormesh(
         x_edges, y_edges, place, cmap=ListedColormap([kind.color for kind in kinds]),
         vmin=-0.5, vmax=len(kinds) - 0.5, rasterized=True,
@@ -161,7 +162,9 @@ def draw_motions(motions: MotionMap, ax: "Axes") -> "list[Artist]":
 
     handles = draw_cells(motions, ax)
     for name, (label, style, color) in _CURVES.items():
-        x, y, curve = motions.x.values, motions.y.values, motions.thresholds[name]
+        x = motions.x.values
+        y = motions.y.values
+        curve = motions.thresholds[name]
         look: dict[str, Any] = {"linestyle": style, "color": color, "linewidth": 1.6}
         beyond = curve - motions.fixed.get("c", 0.0)
         if "c" not in motions.fixed and np.isfinite(curve).any():
@@ -188,7 +191,8 @@ def draw_basins(basins: BasinMap, ax: "Axes") -> "list[Artist]":
 def draw_sweep(sweep: BasinSweep, ax: "Axes") -> "list[Artist]":
     """Draw the shares above each other, and return the handles of its legend."""
     regions = {motion: region for motion, region in regions_of_motions().items() if motion in sweep.share}
-    values, shares = sweep.x.values, np.array([sweep.share[motion] for motion in regions])
+    values = sweep.x.values
+    shares = np.array([sweep.share[motion] for motion in regions])
     for change in sweep.changes:  # at which shares may jump
         place = int(np.searchsorted(values, change.value))
         sides = shares[:, [max(place - 1, 0), min(place, values.size - 1)]]
@@ -212,8 +216,12 @@ def _outline_of_cells(x_edges: FloatArray, y_edges: FloatArray, chosen: BoolArra
     from matplotlib.path import Path
 
     steps = np.diff(np.pad(chosen.astype(int), ((0, 0), (1, 1))), axis=1)
-    (rows, first), (_, behind) = np.nonzero(steps == 1), np.nonzero(steps == -1)
-    left, right, low, high = x_edges[first], x_edges[behind], y_edges[rows], y_edges[rows + 1]
+    (rows, first) = np.nonzero(steps == 1)
+    (_, behind) = np.nonzero(steps == -1)
+    left = x_edges[first]
+    right = x_edges[behind]
+    low = y_edges[rows]
+    high = y_edges[rows + 1]
     corners = np.array([[left, low], [right, low], [right, high], [left, high], [left, low]])
     codes = [Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY]
     return Path(corners.transpose(2, 0, 1).reshape(-1, 2), np.tile(codes, rows.size))

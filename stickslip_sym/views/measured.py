@@ -53,8 +53,11 @@ def draw_measurements(measured: Measurements, ax: "Axes") -> "Sequence[Artist]":
 
 def draw_rows(ax: "Axes", measured: Measurements, y: FloatArray) -> "list[Artist]":
     """Draw a value for each row with its standard deviation, rising and falling branches apart."""
-    v, sigma, branches = measured.v, measured.sigma, measured.branches
-    shown, drawn = list["Artist"](), len(measured) > _MOST_MARKS
+    v = measured.v
+    sigma = measured.sigma
+    branches = measured.branches
+    shown = list["Artist"]()
+    drawn = len(measured) > _MOST_MARKS
     if sigma is not None:
         ax.errorbar(v, y, sigma, fmt="none", ecolor="0.35", elinewidth=0.6, alpha=0.6, rasterized=drawn)
     kinds: list[tuple[str, str, str, Rows]] = [("measured", ".", "0.35", slice(None))]

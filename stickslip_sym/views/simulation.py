@@ -32,7 +32,9 @@ _STYLES: dict[Phase, dict[str, Any]] = {
 @dispatch.one_line.register(Trajectory)
 def trajectory_in_a_line(motion: Trajectory) -> str:
     """Return what the motion is, and how far it was followed."""
-    t, x, v = motion.t, motion.x, motion.v
+    t = motion.t
+    x = motion.x
+    v = motion.v
     return (
         f"Trajectory: {motion.summary}; {len(t)} samples from t = {t[0]:.6g} to {t[-1]:.6g} s, "
         f"x from {x.min():.6g} to {x.max():.6g} m, v from {v.min():.6g} to {v.max():.6g} m/s, "

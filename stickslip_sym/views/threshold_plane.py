@@ -70,7 +70,8 @@ def draw_plane(
 def figure_of_plane(threshold: Threshold[float]) -> "Figure":
     """Return the plane at V, N, m and k, the expansion in it, with the threshold that was computed at V."""
     points = threshold.points
-    law, numbers = points.law, {name: float(column[0]) for name, column in points.columns.items()}
+    law = points.law
+    numbers = {name: float(column[0]) for name, column in points.columns.items()}
     point: dict[str, float | UFloat] = {**numbers, **points.uncertain}
     nominal = {name: getattr(value, "nominal_value", value) for name, value in point.items()}
     if missing := sorted({"m", "k"} - nominal.keys()):

@@ -30,7 +30,9 @@ def threshold_as_text(threshold: Threshold[Any]) -> str:
 
 
 def _values_in_words(threshold: Threshold[Any]) -> str:
-    low, high, spread = np.min(threshold.value), np.max(threshold.value), threshold.known_standard_error
+    low = np.min(threshold.value)
+    high = np.max(threshold.value)
+    spread = threshold.known_standard_error
     row = 0 if threshold.relative_error is None else int(np.argmax(threshold.relative_error))
     worst = threshold.accuracy(tuple(map(int, np.unravel_index(row, threshold.points.shape))))
     basis = f"{', '.join(np.unique(threshold.method))}, {worst}, {threshold.status}"
@@ -56,7 +58,8 @@ def _error_of_method(error: float | None) -> str:
 @dispatch.notebook_html.register(Threshold)
 def threshold_as_html(threshold: Threshold[Any]) -> str:
     """Return a table with a row for each operating point, the first and the last of many."""
-    value, method = np.atleast_1d(threshold.value), np.atleast_1d(threshold.method)
+    value = np.atleast_1d(threshold.value)
+    method = np.atleast_1d(threshold.method)
     known = threshold.known_standard_error
     spread = None if known is None else np.atleast_1d(known)
     rows = list[list[str]]()

@@ -51,7 +51,8 @@ class Slope(Script):
 
     def _slope(self, label: int, mu: Expr, c: Expr, below: Mapping[Expr, bool]) -> str:
         """Prove the slope for a belt speed on one side of each place."""
-        piece, value = _piece_beside(mu, below, self.v), _piece_beside(c, below, V)
+        piece = _piece_beside(mu, below, self.v)
+        value = _piece_beside(c, below, V)
         here = piece.xreplace({self.v: V})
         require_regular(self.v, piece, at_rest=False)
         generators = Generators([here, value])

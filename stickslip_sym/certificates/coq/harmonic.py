@@ -44,7 +44,8 @@ class Pole:
             (w,) = self.coefficients
             return [sp.sqrt(w) * sp.sqrt(w + 2 * V)]
         b, c = self.coefficients
-        m, X = sp.sqrt(c), sp.sqrt(c + 2 * b * V + 4 * V**2)
+        m = sp.sqrt(c)
+        X = sp.sqrt(c + 2 * b * V + 4 * V**2)
         return [m, X, sp.expand_power_base(sp.sqrt(2 * sp.factor(c + b * V + m * X)))]
 
     @cached_property
@@ -105,7 +106,9 @@ class Harmonic(Script):
         for numerator, coefficients, power in fractions:
             base = _base_of(coefficients)
             more_rate, more_wave, more_multiples = slope_over_angle(numerator, base, power)
-            slope, rate, wave = slope + numerator / base**power, rate + more_rate, wave + more_wave
+            slope += numerator / base**power
+            rate += more_rate
+            wave += more_wave
             for top, multiple in more_multiples.items():
                 multiples[top, base] = multiples.get((top, base), sp.S.Zero) + multiple
         poles = [Pole(sp.factor(multiple), *of) for of, multiple in multiples.items()]
@@ -121,10 +124,12 @@ class Harmonic(Script):
 
     def text(self) -> str:
         """Return the script."""
-        law, weight = self.form.law.expr, self.form.criterion.weight
+        law = self.form.law.expr
+        weight = self.form.criterion.weight
         if weight != 2 * sp.sqrt(1 - symbols.s**2) / sp.pi:
             raise Unsupported(f"a script in Coq has no weight {printing.text(weight)}")
-        mu, c = self.words(law, self.v), self.words(self.form.expr, self.v)
+        mu = self.words(law, self.v)
+        c = self.words(self.form.expr, self.v)
         shares = {term: self.words(share, self.v) for term, share in self.form.shares}
         require_regular(self.v, mu, *[self.words(row.slope, self.v) for row in self.rows], at_rest=True)
         in_code = " + ".join(f"({self.code(share)})" for share in shares.values()) or self.code(c)
@@ -164,8 +169,10 @@ class Harmonic(Script):
             joined = _proof_of_sum(joined, f"(integral_times {multiple} _ _ _ _ {name})")
         angle = sp.Symbol("t")
         self.names[angle] = "t"
-        sine, cosine = sp.Function("sin")(angle), sp.Function("cos")(angle)
-        rate, wave = self.words(row.rate, self.v), self.words(row.wave, self.v)
+        sine = sp.Function("sin")(angle)
+        cosine = sp.Function("cos")(angle)
+        rate = self.words(row.rate, self.v)
+        wave = self.words(row.wave, self.v)
         rise = rate * angle + sine * wave.xreplace({self.v: V * (1 - cosine)})
         bases = dict.fromkeys(pole.base for pole in row.poles)
         return self.part(
@@ -203,7 +210,8 @@ class Harmonic(Script):
 
     def _pole(self, name: str, pole: Pole) -> str:
         """State and prove the integral of a fraction over the angle."""
-        lemma, given = "linear_pole", list(pole.coefficients)
+        lemma = "linear_pole"
+        given = list(pole.coefficients)
         if len(given) == 2:
             lemma = "quadratic_pole" if pole.top == 1 else "quadratic_pole_at_speed"
             given.append(minus_discriminant(*pole.coefficients))
@@ -236,7 +244,8 @@ class Harmonic(Script):
 
     def _at_once(self, c: Expr) -> str:
         """Prove that c is the sum of the terms, by one equation."""
-        values, amplitudes = map(self._value, self.rows), [row.amplitude for row in self.rows]
+        values = map(self._value, self.rows)
+        amplitudes = [row.amplitude for row in self.rows]
         return self._equal(c, [*values, *amplitudes], ["c", *(f"I{row.label}" for row in self.rows)])
 
     def _equal(self, c: Expr, others: Sequence[Expr], names: Sequence[str]) -> str:
@@ -284,7 +293,8 @@ def slope_over_angle(numerator: Expr, base: Expr, power: int) -> tuple[Expr, Exp
     With sin(t)^2 = v (2 V - v)/V^2, and (sin(t) W(v))' = (1 - v/V) W + v (2 V - v)/V W', all is rational in v: the
     coefficients of W, a polynomial over base^(power - 1) and one beside it, solve linear equations.
     """
-    square, degree = v * (2 * V - v) / V, int(sp.degree(base, v)) if base.has(v) else 0
+    square = v * (2 * V - v) / V
+    degree = int(sp.degree(base, v)) if base.has(v) else 0
     above = sp.expand(square / V * numerator)
     surplus = max(int(sp.degree(above, v)) - degree * power, 0) if above != 0 else 0
     rate = sp.Dummy("rate")

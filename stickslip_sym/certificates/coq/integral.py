@@ -84,7 +84,8 @@ class Integral(Script):
     # -- the terms -----------------------------------------------------------------------------------
 
     def _rows(self) -> Iterator[LawTerm]:
-        averages, number = dict(self.form.averages), 0
+        averages = dict(self.form.averages)
+        number = 0
         profiles = dict[Average | None, list[Profile]]()
         for term in self.form.terms:
             average = averages.get(term)
@@ -129,7 +130,8 @@ class Integral(Script):
             return self.words(average.in_shapes(expr).xreplace({V: self.r}), self.u)
 
         (integral,) = step.statement.lhs.atoms(sp.Integral)
-        kernel, boundary = self.criterion.kernel, step.statement.lhs - integral
+        kernel = self.criterion.kernel
+        boundary = step.statement.lhs - integral
         expr = average.in_shapes(_divided(integral.function, kernel))
         parts = step.by.parts(average.in_shapes(integral.function), sp.S.Zero, 2 * V)
         primitives, _, lows, highs = zip(*parts, strict=True)
@@ -171,8 +173,11 @@ class Integral(Script):
 
     def average(self, profile: Profile) -> str:
         """State and prove the integral of a profile."""
-        of, label = profile.generators.of, profile.label
-        pieces, primitives, value = [*map(of, profile.pieces)], [*map(of, profile.primitives)], of(profile.value)
+        of = profile.generators.of
+        label = profile.label
+        pieces = [*map(of, profile.pieces)]
+        primitives = [*map(of, profile.primitives)]
+        value = of(profile.value)
         names = [f"{label}_{i}" for i in range(len(pieces))]
         ends = ["0", *(f"e{name}" for name in names[1:]), "(2 * r)"]
         limits = list(pairwise(ends))
@@ -184,7 +189,8 @@ class Integral(Script):
             f"Definition A{name} (u : R) : R := {self.code(primitive)}."
             for name, primitive in zip(names, primitives, strict=True)
         ]
-        proofs, joined = list[str](), ""
+        proofs = list[str]()
+        joined = ""
         for i, name in enumerate(names):
             proofs.append(self._piece(name, pieces[i], primitives[i], *limits[i]))
             proofs.append(self._within(profile, i, name, *limits[i]))
@@ -242,7 +248,8 @@ class Integral(Script):
 
     def _within(self, profile: Profile, i: int, name: str, low: str, high: str) -> str:
         """Prove the integral of the profile between the ends of one piece."""
-        piece, cases = profile.pieces[i], ""
+        piece = profile.pieces[i]
+        cases = ""
         if len(profile.pieces) > 1:
             names = ", ".join([end for end in (low, high) if end.startswith("e")] + ["Rmin", "Rmax"])
             cases = f"revert range. unfold {names}. repeat destruct Rlt_dec; repeat destruct Rle_dec; intro; "

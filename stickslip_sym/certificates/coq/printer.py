@@ -140,7 +140,8 @@ class CoqPrinter(Printer):  # type: ignore[misc]  # SymPy is untyped
     def _print_Mul(self, expr: Expr) -> str:
         if expr.could_extract_minus_sign():
             return f"- {self._operand(-expr)}"
-        above, below = list[str](), list[str]()
+        above = list[str]()
+        below = list[str]()
         for factor in expr.as_ordered_factors():
             if factor.is_Rational:
                 above += [str(factor.p)] if factor.p != 1 else []

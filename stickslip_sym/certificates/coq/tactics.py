@@ -123,7 +123,8 @@ class Script:
 
     def assembled(self, law: str, proof: str) -> str:
         """Return a script with those parts of the library that it needs."""
-        text, needed = law + proof, list[str]()
+        text = law + proof
+        needed = list[str]()
         for name, lemmas in reversed(LIBRARY.items()):  # each needs those before it only
             words = {*_WORDS_OF.get(name, ()), *re.findall(_MADE, lemmas)}
             if name in _ALWAYS or words & set(
@@ -234,7 +235,9 @@ class Script:
         """
         levels = dict[int, set[str]]()
         for node in functions_of(*exprs):
-            level, name, head = depth(node), node.func.__name__, self.printer.head(node)
+            level = depth(node)
+            name = node.func.__name__
+            head = self.printer.head(node)
             levels.setdefault(level, set()).add("ln" if name == "Rpower" else f"({head})" if " " in head else head)
             if name in _BY_EXPONENTIALS:
                 levels.setdefault(level + 1, set()).add("exp")

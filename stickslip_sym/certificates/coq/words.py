@@ -63,7 +63,8 @@ def _inverse_tangent_integral(argument: Expr) -> Expr:
     """Write im(polylog(k, I*y)), of which the first is atan(y)."""
     if not isinstance(argument, sp.polylog) or not argument.args[0].is_Integer:
         raise Unsupported(f"a script in Coq has no im({argument})")
-    order, y = argument.args[0], sp.expand(argument.args[1] / sp.I)
+    order = argument.args[0]
+    y = sp.expand(argument.args[1] / sp.I)
     return sp.atan(y) if order == 1 else call(f"Ti{order}", y)
 
 
@@ -195,9 +196,11 @@ def monomials(expr: Expr) -> Iterator[tuple[Expr, Expr]]:
 def square_free(inside: Expr) -> tuple[Expr, Expr]:
     """Return a radicand without squares, and a divisor: the root is that of the radicand, divided by it."""
     above, below = sp.fraction(sp.together(inside))
-    front, radicand = sp.S.One, sp.S.One
+    front = sp.S.One
+    radicand = sp.S.One
     for factor, power in _factor_list(above * below):
-        front, radicand = front * factor ** (power // 2), radicand * factor ** (power % 2)
+        front *= factor ** (power // 2)
+        radicand *= factor ** (power % 2)
     return sp.expand(radicand), below / front
 
 
@@ -311,7 +314,8 @@ def require_regular(speed: Expr, *exprs: Expr, at_rest: bool) -> None:
     The tactic for positivity knows the signs of letters, and quadratic polynomials with numbers for coefficients.
     """
     for node in {node for expr in exprs for node in sp.preorder_traversal(expr) if node.has(speed)}:
-        name, inside = node.func.__name__, node.args[0] if node.args else node
+        name = node.func.__name__
+        inside = node.args[0] if node.args else node
         if at_rest and name == "power" and not node.args[0].is_positive:
             raise Unsupported(
                 f"a script in Coq has no power of v whose exponent {node.args[0]} may not be positive"

@@ -115,7 +115,8 @@ class _Written:
 
     def __init__(self, language: Language, names: Mapping[Expr, str]) -> None:
         super().__init__({"user_functions": dict(language.functions), "strict": True})  # type: ignore[call-arg]
-        self._names, self._written_in = names, language
+        self._names = names
+        self._written_in = language
 
     def _print_Symbol(self, expr: Expr) -> str:
         return self._names[expr]
@@ -176,12 +177,14 @@ class _Writer:
 
     def text(self) -> str:
         """Return the whole text."""
-        page, functions = self.language.page, self.functions
+        page = self.language.page
+        functions = self.functions
         tables = page.get("tables", "") if any("in_table(" in part for part in self.parts) else ""
         main = self.names[0]
         if len(self.names) > 1 and "several" in page:
             handles = "\n".join(f"  criteria.{name} = @{name};" for name in self.names)
-            main, functions = "damping_criteria", [self._filled("several", handles=handles), *functions]
+            main = "damping_criteria"
+            functions = [self._filled("several", handles=handles), *functions]
         body = [page["shared"], tables, *self.parts, *functions]
         if self.language.main_first:
             body = [*functions, *self.parts, page["shared"]]
@@ -201,9 +204,11 @@ class _Writer:
 
     def add(self, name: str, average: TermSum, about: str) -> None:
         """Write a criterion: its terms, and the function that adds them up."""
-        law, language = average.law, self.language
+        law = average.law
+        language = self.language
         require_shapes(law)
-        values, fixed = law.values, shapes_in_code(law)
+        values = law.values
+        fixed = shapes_in_code(law)
         functions, settled = _settled_terms(average)
         fixed |= settled
         free = {key: symbol for key, symbol in average.arguments.items() if symbol not in fixed}
@@ -217,7 +222,8 @@ class _Writer:
         verdicts = [self._add_term(key, term, point, texts, average) for key, term in terms.items()]
         arguments = [self._argument(key) for key in free]
         self.names.append(name)
-        order, constant = list(Status), Verdict(Status.PROVED, "a constant law has no slope")
+        order = list(Status)
+        constant = Verdict(Status.PROVED, "a constant law has no slope")
         worst = max(verdicts, key=lambda verdict: order.index(verdict.status), default=constant)
         self.about.append(f"{name}: {about}\nAs written {worst}")
         self.functions.append(
@@ -246,7 +252,9 @@ class _Writer:
     ) -> Verdict:
         """Write number * prod bases^amplitude * F(prod bases^ratio) and the tables of F, and compare them."""
         shapes = term.shape_values(point)
-        branches, law, criterion = term.branches(shapes), average.law, average.criterion
+        branches = term.branches(shapes)
+        law = average.law
+        criterion = average.criterion
         if isinstance(branches, Unknown):
             raise InputError(
                 f"the term {str(term.term.expr)[:60]} of the law {(law.name or law.text)[:60]} has no branches "
@@ -284,7 +292,8 @@ class _Writer:
             rows = language.next_row.join(self._numbers(row) for row in branch.rows)
             self.parts.append(self._filled("table", name=name, rows=rows))
             panels, width = branch.rows.shape
-            z, g = "r", self._filled("lookup", name=name, panels=panels, width=width).strip()
+            z = "r"
+            g = self._filled("lookup", name=name, panels=panels, width=width).strip()
             if branch.function is not None:
                 g += f"*{expression_text(branch.function, {symbols.V: 'r'}, language)}"
         else:
@@ -298,5 +307,6 @@ class _Writer:
                 for function, coefficients in branch.parts
             )
         bounds = {"start": _number(start, language), "end": _number(end, language)}
-        z, g = (_elementwise(text, language) for text in (z, g))
+        z = _elementwise(z, language)
+        g = _elementwise(g, language)
         return self._filled("case", z=z, g=g, power=_number(branch.power, language), **bounds)

@@ -91,7 +91,7 @@ _NEAR_KINK = 1.25  # times r at a kink: up to there the panel's variable is the 
 _POINTS_AN_OCTAVE = 16  # in an octave, at which a closed form is compared
 
 
-@lru_cache(maxsize=256)
+@lru_cache
 def branches_of(
     profile: Expr, criterion: Criterion, closed: Expr | None = None, shapes: tuple[tuple[Expr, Expr], ...] = ()
 ) -> Branches | Unknown:
@@ -109,9 +109,12 @@ def branches_of(
 
 def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Mapping[Expr, Expr]) -> Verdict:
     """Compare each branch with enclosures of the definition: at its ends, between them, and far beyond."""
-    mean_slope, values = MeanSlope(profile, criterion, shapes), [float(x) for x in shapes.values()]
-    count, decay = 0, decay_at_rest(branch_from(profile, shapes, sp.S.Zero), shapes)
-    local, kinks = criterion.weight is None, kinks_at(profile, shapes)
+    mean_slope = MeanSlope(profile, criterion, shapes)
+    values = [float(x) for x in shapes.values()]
+    count = 0
+    decay = decay_at_rest(branch_from(profile, shapes, sp.S.Zero), shapes)
+    local = criterion.weight is None
+    kinks = kinks_at(profile, shapes)
 
     def by_definition(r: arb, kink: Expr | None = None) -> arb:
         return refined(
@@ -175,7 +178,9 @@ class _Builder:
     """Makes the branches of one average: both ends first, then the closed form, then a table of what is left."""
 
     def __init__(self, profile: Expr, criterion: Criterion, closed: Expr | None, point: dict[Expr, Expr]) -> None:
-        self.profile, self.criterion, self.point = profile, criterion, point
+        self.profile = profile
+        self.criterion = criterion
+        self.point = point
         self.values = ReferenceAverage(profile, criterion, closed, point)
         self.local = criterion.weight is None
         self.closed = None if point else closed
@@ -194,7 +199,8 @@ class _Builder:
         if powers is not None:
             return powers
         if self.local and self.values.reach < math.inf:
-            starts, slopes = (0.0, *self.corners), map(self._at_belt, self.values.parts)
+            starts = (0.0, *self.corners)
+            slopes = map(self._at_belt, self.values.parts)
             return self._with_means(Branches(starts, tuple(Sum(0.0, 1.0, ((slope, (1.0,)),)) for slope in slopes)))
         whole = self._from_end_to_end()
         if isinstance(whole, Unknown) or not self.local:
@@ -207,14 +213,18 @@ class _Builder:
 
     def _with_means(self, whole: Branches) -> Branches:
         """Return branches of a slope that are the mean of both sides at each kink."""
-        starts, branches = list(whole.starts), list(whole.branches)
+        starts = list(whole.starts)
+        branches = list(whole.branches)
         for number, exact in enumerate(self.values.kinks):
             corner = float(exact)
             slopes = [self.values.slopes[i](acb(exact), False).real for i in (number, number + 1)]
             mean = Sum(0.0, 1.0, ((None, (-float(sum(slopes) / 2),)),))
-            low, high = corner * (1 - _AT_KINK), math.nextafter(corner * (1 + _AT_KINK), math.inf)
-            first, last = bisect_left(starts, low), bisect_right(starts, high)
-            before, after = branches[first - 1], branches[last - 1]
+            low = corner * (1 - _AT_KINK)
+            high = math.nextafter(corner * (1 + _AT_KINK), math.inf)
+            first = bisect_left(starts, low)
+            last = bisect_right(starts, high)
+            before = branches[first - 1]
+            after = branches[last - 1]
             if before is after and isinstance(before, PanelTable):  # a panel ends at the corner
                 beyond = before.rows[:, 0] >= corner
                 before, after = (replace(before, rows=before.rows[rows]) for rows in (~beyond, beyond))
@@ -225,7 +235,8 @@ class _Builder:
         """Return the branches at rest, in between and far out."""
         reach = self.values.reach
         nothing = Sum(0.0, 1.0, ((None, (math.nan,)),))
-        last, direct = (self.values.end / 2, nothing) if reach < math.inf else self._far_out(), None
+        last = (self.values.end / 2, nothing) if reach < math.inf else self._far_out()
+        direct = None
         if reach == math.inf:
             direct = self._direct(last[0] if last else self.highest * 2.0**_OCTAVES_BEYOND_SCALES)
         if last is None and direct is None:
@@ -265,14 +276,16 @@ class _Builder:
             exponent = (exponent if base == symbols.v else sp.S.Zero).xreplace(self.point)
             coefficients[exponent] = -coefficient.xreplace(self.point)
         terms = {e: float(c * self.criterion.mean_power(e)) for e, c in coefficients.items()}
-        low, high = min(terms), max(terms)
+        low = min(terms)
+        high = max(terms)
         if low == high:
             return Branches((0.0,), (_sum(low, sp.S.One, ((None, (terms[low],)),)),))
         if not all(exponent.is_Integer for exponent in terms):
             return None
         step = math.gcd(*(int(e - low) for e in terms))
         used = tuple(terms.get(e, 0.0) for e in range(low, high + 1, step))
-        small, large = _sum(low, step, ((None, used),)), _sum(high, -step, ((None, used[::-1]),))
+        small = _sum(low, step, ((None, used),))
+        large = _sum(high, -step, ((None, used[::-1]),))
         return Branches((0.0, 1.0), (small, large))
 
     # -- the ends ----------------------------------------------------------------------------------
@@ -280,7 +293,8 @@ class _Builder:
     def _near_rest(self, stop: float) -> tuple[float, Branch] | None:
         """Return up to where the series at rest is F, and the branch, with an exponential if that helps."""
         slope = stable_slope_of(self.values.parts[0])
-        unit, best = common_denominator(slope, self.point, self.criterion), None
+        unit = common_denominator(slope, self.point, self.criterion)
+        best = None
         edge = min([stop, *self.corners])
         try:
             series = average_near_rest(expanded(slope, self.point, unit, far=False), self.criterion, unit)
@@ -409,7 +423,9 @@ class _Builder:
     def _panel(self, left: float, right: float, origin: float | None) -> Decision[list[float], None]:
         """Accept the polynomial through values between two r if it is smooth, and holds between them."""
         low, high = (left, right) if origin is None else (np.sqrt(left - origin), np.sqrt(right - origin))
-        centre, half, grid = (low + high) / 2, (high - low) / 2, ball_grid(_BRANCH_NODES)
+        centre = (low + high) / 2
+        half = (high - low) / 2
+        grid = ball_grid(_BRANCH_NODES)
 
         def value_at(t: arb) -> arb:
             x = arb(centre) + t * arb(half)
@@ -462,14 +478,16 @@ def _terms_that_count(series: GeneralisedSeries, x: arb, unit: int, condition: f
         default=arb(1),
     )
     shares = {key: float(ball / largest) for key, ball in balls.items()}
-    total, size = sum(shares.values()), sum(map(abs, shares.values()))
+    total = sum(shares.values())
+    size = sum(map(abs, shares.values()))
     if not size <= condition * abs(total):
         return {} if not series.terms and series.top == math.inf else None
     least = _NEGLIGIBLE_OF_VALUE * abs(total)
     late = series.top - (series.top - series.low) / 4 if series.top < math.inf else math.inf
     if any(e >= late and abs(share) > least for (e, _), share in shares.items()):
         return None
-    rest, kept = 0.0, {key: c for key, c in series.terms.items() if abs(float(balls[key])) > SMALLEST}
+    rest = 0.0
+    kept = {key: c for key, c in series.terms.items() if abs(float(balls[key])) > SMALLEST}
     for key in sorted(shares, reverse=True):
         rest += abs(shares[key])
         if rest > least:
@@ -513,11 +531,13 @@ def _as_sum(closed: Expr) -> Sum | None:
     groups: dict[Expr, dict[int, Expr]] = {}
     for term in sp.Add.make_args(closed):
         coefficient, rest = term.as_independent(V, as_Add=False)
-        power, function = sp.Integer(0), rest
+        power = sp.Integer(0)
+        function = rest
         for factor in sp.Mul.make_args(rest):
             base, exponent = factor.as_base_exp()
             if base == V:
-                power, function = power + exponent, function / factor
+                power += exponent
+                function /= factor
         if not power.is_Rational:
             return None
         whole = sp.floor(power)

@@ -132,7 +132,8 @@ class PanelTable:
             position = np.where(np.isfinite(origin), np.sqrt(np.abs(r - origin)), r)
         position = position - centres.take(panel)
         position *= scales.take(panel)
-        total, here = coefficients[-1].take(panel), np.empty_like(r)
+        total = coefficients[-1].take(panel)
+        here = np.empty_like(r)
         for column in coefficients[-2::-1]:
             total *= position
             total += column.take(panel, out=here, mode="clip")  # which needs no buffer of its own
@@ -161,7 +162,8 @@ class Branches:
         first, last = (bisect_right(self.starts, float(end)) - 1 for end in (r.min(), r.max()))
         if first == last:
             return value_of(self.branches[first], r)
-        edges, result = [-np.inf, *self.starts[first + 1 : last + 1], np.inf], np.empty_like(r)
+        edges = [-np.inf, *self.starts[first + 1 : last + 1], np.inf]
+        result = np.empty_like(r)
         for branch, (low, high) in zip(self.branches[first:], pairwise(edges), strict=False):
             here = np.flatnonzero((r >= low) & (r < high))
             if here.size:

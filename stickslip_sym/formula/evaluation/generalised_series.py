@@ -141,7 +141,8 @@ class _GeneralExpansion(ExpansionAlgebra[GeneralisedSeries]):
 
     def __init__(self, point: Mapping[Expr, Expr], unit: int, far: bool) -> None:
         super().__init__(point, GeneralisedSeries({(-unit if far else unit, 0): arb(1)}), _SERIES_TERMS)
-        self.unit, self.far = unit, far
+        self.unit = unit
+        self.far = far
 
     def __call__(self, node: Expr, parts: list[GeneralisedSeries]) -> GeneralisedSeries:
         if any(part is _SUPERPOLYNOMIAL for part in parts):
@@ -161,7 +162,8 @@ class _GeneralExpansion(ExpansionAlgebra[GeneralisedSeries]):
 
     def _logarithm(self, inner: GeneralisedSeries) -> GeneralisedSeries:
         """Return the logarithm of what vanishes with x, or grows."""
-        low, first = int(inner.low), inner.leading
+        low = int(inner.low)
+        first = inner.leading
         if not first > 0:
             raise NotAnalytic("a logarithm of what is negative")
         whole = GeneralisedSeries({(0, 0): first.log(), (0, 1): arb(rational(sp.Rational(low, self.unit)))})
@@ -170,7 +172,8 @@ class _GeneralExpansion(ExpansionAlgebra[GeneralisedSeries]):
 
     def _far_function(self, known: Function, inner: GeneralisedSeries) -> GeneralisedSeries:
         """Return a function of what grows without bound: far out, or exp(-1/v) near rest."""
-        kind, positive = known.kind, bool(inner.leading > 0)
+        kind = known.kind
+        positive = bool(inner.leading > 0)
         if not self.far and kind is not sp.exp:
             raise NotAnalytic(f"{known.name} has an essential singularity")
         if kind is sp.atan:
@@ -188,7 +191,8 @@ class _GeneralExpansion(ExpansionAlgebra[GeneralisedSeries]):
 
 def _erfcx_coefficients(count: int) -> list[arb]:
     """Return the coefficients of erfcx far out in powers of 1/x, a series that diverges (DLMF 7.12.1)."""
-    coefficients, term = [arb(0)] * (count + 1), 1 / arb.pi().sqrt()
+    coefficients = [arb(0)] * (count + 1)
+    term = 1 / arb.pi().sqrt()
     for k in range(1, count + 1, 2):
         coefficients[k] = term
         term *= -arb(k) / 2

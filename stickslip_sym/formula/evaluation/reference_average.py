@@ -108,7 +108,9 @@ class ReferenceAverage:
     def __init__(
         self, profile: Expr, criterion: Criterion, closed: Expr | None, point: Mapping[Expr, Expr]
     ) -> None:
-        self.profile, self.criterion, self.point = profile, criterion, point
+        self.profile = profile
+        self.criterion = criterion
+        self.point = point
         self.kinks = [ball(kink).real for kink in kinks_at(profile, point)]
         inner = [binary_fraction(float(low + high) / 2) for low, high in pairwise([arb(0), *self.kinks])]
         outer = binary_fraction(float(2 * self.kinks[-1])) if self.kinks else sp.Integer(1)
@@ -119,7 +121,8 @@ class ReferenceAverage:
         self.parts = pieces
         self._series_of: dict[int, Callable[[arb_series], arb_series]] = {}
         self._jumps = [_reals(jump, point) for jump in jumps(profile, point)]
-        mean_slope, shapes = MeanSlope(profile, criterion, point), [float(value) for value in point.values()]
+        mean_slope = MeanSlope(profile, criterion, point)
+        shapes = [float(value) for value in point.values()]
         self.mean_slope: Callable[[FloatArray], FloatArray] = lambda r: mean_slope(r, *shapes)
         self.reach = reach_of(profile, point)
         self.end = self.reach * (1 - _BEFORE_THE_END)
@@ -180,7 +183,8 @@ class ReferenceAverage:
         innermost = min(math.frexp(float(r))[1] - 1 - self._close, self._first)
         pieces = self._pieces_up_to(innermost, 2 * r)
         count = max(bisect_right(pieces, 2 * r if polynomial else r, key=lambda piece: piece.high), 1)
-        below, near = pieces[count - 1], [piece for piece in pieces[count:] if piece.low < 2 * r]
+        below = pieces[count - 1]
+        near = [piece for piece in pieces[count:] if piece.low < 2 * r]
         self._work += len(near)
         if self._work > _MOST_WORK * (1 + len(self.kinks)):
             raise NotConverged(f"{self.profile} is too narrow in too many places for a table")
@@ -200,7 +204,8 @@ class ReferenceAverage:
             return [], []
         pieces = self._pieces_up_to(self._first, end)
         below = next(piece for piece in pieces if piece.high >= end)
-        weight, order = list(_weight_in_powers(self.criterion)), 0 if self.criterion.is_polynomial else arb(1) / 2
+        weight = list(_weight_in_powers(self.criterion))
+        order = 0 if self.criterion.is_polynomial else arb(1) / 2
         moments = [below.average[j] for j in range(len(weight))]
         for place, height in self._jumps:
             if bool(place > 0):
@@ -229,12 +234,14 @@ class ReferenceAverage:
     def _pieces_up_to(self, innermost: int, last: arb) -> list[_Piece]:
         """Return pieces, the first up to 2^innermost, as far as a place at least, or to the end of the profile."""
         if innermost not in self._pieces:
-            samples, end = self._innermost(innermost)[0], arb(2) ** innermost
+            samples = self._innermost(innermost)[0]
+            end = arb(2) ** innermost
             share = self._moment(samples), self._average(samples, end)
             self._pieces[innermost] = [_Piece(arb(0), end, arb_poly([]), *share)]
         pieces = self._pieces[innermost]
         while pieces[-1].high < last and pieces[-1].high < self.end:
-            below, low = pieces[-1], pieces[-1].high
+            below = pieces[-1]
+            low = pieces[-1].high
             octave = arb(2) ** math.frexp(float(low))[1]
             high = min([octave, arb(self.end), *(kink.mid() for kink in self.kinks if low < kink.mid())])
             key = float(low), float(high)
@@ -251,8 +258,10 @@ class ReferenceAverage:
 
     def _innermost(self, octave: int) -> tuple[Samples, bool]:
         """Return samples from 0 to 2^octave, and whether the slope is resolved there."""
-        end, order = arb(2) ** octave, self._order
-        slope, (rule, weights) = self._slope(end), gauss_grid(_PIECE_NODES)
+        end = arb(2) ** octave
+        order = self._order
+        slope = self._slope(end)
+        (rule, weights) = gauss_grid(_PIECE_NODES)
         u = [(1 + t) / 2 for t in rule.nodes]
         places = [(end * x**order).mid() for x in u]
         rates = [order * end * x ** (order - 1) / 2 for x in u]
@@ -274,15 +283,19 @@ class ReferenceAverage:
 
     def _polynomial(self, low: arb, high: arb, below: arb) -> Decision[_Piece, None]:
         """Accept the polynomial through values of the slope between two speeds if it is smooth, or negligible."""
-        middle, half, (rule, weights) = ((low + high) / 2).mid(), (high - low) / 2, gauss_grid(_PIECE_NODES)
-        slope, places = self._slope(middle), [(middle + t * half).mid() for t in rule.nodes]
+        middle = ((low + high) / 2).mid()
+        half = (high - low) / 2
+        (rule, weights) = gauss_grid(_PIECE_NODES)
+        slope = self._slope(middle)
+        places = [(middle + t * half).mid() for t in rule.nodes]
         values = _heights([slope(acb(x), False).real for x in places])
         if isinstance(values, Unknown):
             return values
         heights, noise = values
         samples = [(x, h * w * half) for x, h, w in zip(places, heights, weights, strict=True)]
         coefficients = [c.mid() for c in rule.coefficients(heights)]
-        sizes, moment = [abs(float(c)) for c in coefficients], self._moment(samples)
+        sizes = [abs(float(c)) for c in coefficients]
+        moment = self._moment(samples)
         smooth = max(sizes[-2:]) <= _PIECE_RTOL * max(sizes) + _NOISE_RADII * noise
         power = max(1, int(sp.ceiling(self.criterion.order_at_rest)))
         negligible = (_NEGLIGIBLE * below / ((high - low) * high**power)).max(arb(SMALLEST))
@@ -303,7 +316,8 @@ class ReferenceAverage:
         """Say whether balls hold the slope between two speeds below a bound: nothing narrow is missed there."""
 
         def holds(low: arb, high: arb, _: int) -> bool:
-            middle, half = ((low + high) / 2).mid(), (high - low) / 2
+            middle = ((low + high) / 2).mid()
+            half = (high - low) / 2
             ball = slope(acb(arb(middle, half.abs_upper())), False).real
             return ball.is_finite() and (bool(abs(ball) <= most) or self._bounded_by_series(middle, half, most))
 
@@ -336,9 +350,11 @@ class ReferenceAverage:
 
     def _by_polynomials(self, pieces: Sequence[_Piece], r: arb) -> arb:
         """Integrate the slope in pieces, up to 2r, times a weight that is a polynomial."""
-        weight, total = _weight_in_powers(self.criterion), arb(0)
+        weight = _weight_in_powers(self.criterion)
+        total = arb(0)
         for piece in pieces:
-            middle, half = (piece.low + piece.high) / 2, (piece.high - piece.low) / 2
+            middle = (piece.low + piece.high) / 2
+            half = (piece.high - piece.low) / 2
             primitive = (piece.slope * weight(arb_poly([middle / r, half / r]))).integral()
             total += (primitive((min(piece.high, 2 * r) - middle) / half) - primitive(arb(-1))) * half / r
         return total
@@ -347,12 +363,14 @@ class ReferenceAverage:
         """Integrate the same times (2/pi) sqrt(1 - s^2): times s^k it is a derivative, and less times s^(k-2)."""
         lost = [piece.slope.degree() * math.log2(2 + 4 * float(r / (piece.high - piece.low))) for piece in pieces]
         with working_precision(BITS + int(max(lost, default=0.0))):
-            total, s = arb(0), [piece.low / r - 1 for piece in pieces]
+            total = arb(0)
+            s = [piece.low / r - 1 for piece in pieces]
             s.append(pieces[-1].high / r - 1 if pieces[-1].high < 2 * r else arb(1))
             roots = [(1 - x * x).sqrt() for x in s]
             arcs = [(x.asin() + x * root) / 2 for x, root in zip(s, roots, strict=True)]
             for i, piece in enumerate(pieces):
-                middle, half = (piece.low + piece.high) / 2, (piece.high - piece.low) / 2
+                middle = (piece.low + piece.high) / 2
+                half = (piece.high - piece.low) / 2
                 left = list(piece.slope(arb_poly([(r - middle) / half, r / half]))) or [arb(0)]
                 whole = [arb(0)] * len(left)
                 for k in range(len(left) - 1, 0, -1):
@@ -389,7 +407,7 @@ def _weight_in_powers(criterion: Criterion) -> arb_poly:
                      for k in range(_EXPANSION)])  # fmt: skip
 
 
-@lru_cache(maxsize=256)
+@lru_cache
 def _weight_terms(criterion: Criterion, places: tuple[_Exact, ...]) -> arb_mat:
     """Return the terms of the weight at some p: a row for each power of the largest one."""
     columns = [arb(place) for place in places]
@@ -401,7 +419,7 @@ def _weight_terms(criterion: Criterion, places: tuple[_Exact, ...]) -> arb_mat:
     return arb_mat(rows)
 
 
-@lru_cache(maxsize=256)
+@lru_cache
 def stable_slope_of(profile: Expr) -> Expr:
     """Return g', with sech(a)^2 for 1 - tanh(a)^2, which cancels."""
     if isinstance(profile, sp.Piecewise):  # SymPy would compare all places again
@@ -445,7 +463,8 @@ class MeanSlope:
     def __init__(
         self, profile: Expr, criterion: Criterion, parameters: Sequence[Expr] | Mapping[Expr, Expr]
     ) -> None:
-        slope, self._local = stable_slope_of(profile), criterion.weight is None
+        slope = stable_slope_of(profile)
+        self._local = criterion.weight is None
         point = parameters if isinstance(parameters, Mapping) else {}
         known = profile.free_symbols <= {symbols.v, *point}
         self._near_rest = coefficient_near_rest(branch_from(profile, point, sp.S.Zero), point) if known else None
@@ -508,7 +527,8 @@ def _first_zero(expr: Expr, point: Mapping[Expr, Expr]) -> float:
         return np.inf
     if (zeros := _positive_zeros(expr, point)) is not None:
         return min(zeros, default=np.inf)
-    parameters, values = list(point), [float(value) for value in point.values()]
+    parameters = list(point)
+    values = [float(value) for value in point.values()]
     function = function_of([symbols.v, *parameters], expr, "numpy")
     with np.errstate(all="ignore"):
         signs = np.sign(np.broadcast_to(function(_ARGUMENT_GRID, *values), _ARGUMENT_GRID.shape))

@@ -30,10 +30,14 @@ _HIGHEST_ROOT = 6  # of u, in rational functions
 
 def integrate_by_parts(polynomial: Expr, iterated_integral: Callable[[int], Expr], u: Expr) -> Expr:
     """Return sum_j (-1)^j polynomial^(j) ladder(j + 1), where ladder(j)' = ladder(j - 1)."""
-    total, sign, j = sp.Integer(0), 1, 1
+    total = sp.Integer(0)
+    sign = 1
+    j = 1
     while polynomial != 0:
         total += sign * polynomial * iterated_integral(j)
-        polynomial, sign, j = sp.factor_terms(sp.diff(polynomial, u)), -sign, j + 1
+        polynomial = sp.factor_terms(sp.diff(polynomial, u))
+        sign = -sign
+        j += 1
     return total
 
 
@@ -42,7 +46,8 @@ def integrate_by_parts(polynomial: Expr, iterated_integral: Callable[[int], Expr
 
 def antiderivative(rest: Expr, kernel: Expr, u: Expr) -> tuple[str, Expr] | None:
     """Return the names of the rules that integrate rest * kernel, term by term, and what they give, or None."""
-    names, total = [], sp.Integer(0)
+    names = []
+    total = sp.Integer(0)
     for part, constant in grouped(waves_apart(rest), u).items():
         by_rule = first_rule(_RULES, part, kernel, u)
         if by_rule is None:
@@ -59,7 +64,9 @@ def _integral_of_polynomial(polynomial: Expr, u: Expr) -> Expr:
 def _integrate_repeatedly(polynomial: Expr, node: Expr, line: list[Expr], u: Expr) -> Expr | None:
     """Integrate u^n times a power of a function of a linear argument."""
     base, power = (node, 1) if isinstance(node, sp.exp) else node.as_base_exp()
-    (_, *order), x, iterated_integral = base.args, sp.Dummy("x", real=True), FUNCTIONS[base.func].iterated_integral
+    (_, *order) = base.args
+    x = sp.Dummy("x", real=True)
+    iterated_integral = FUNCTIONS[base.func].iterated_integral
     n = int(order[0] if order else power)
     if iterated_integral is None or (order and power != 1) or iterated_integral(x, n, 1) is None:
         return None
@@ -78,7 +85,8 @@ def _product_by_parts(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
         inner = sp.expand(polynomial.subs(u, (x - line[1]) / line[0]) / line[0])
         primitive: Expr | None = _product_by_parts(inner, function.func(x) ** power, x)
         return None if primitive is None else primitive.subs(x, function.args[0])
-    whole, slope = _integral_of_polynomial(polynomial, u), sp.diff(function, u)
+    whole = _integral_of_polynomial(polynomial, u)
+    slope = sp.diff(function, u)
     factor = sp.cancel(whole * slope) if slope.is_rational_function(u) else whole * slope
     left = antiderivative(power * factor * function ** (power - 1), sp.Integer(1), u)
     return None if left is None else whole * node - left[1]
@@ -89,8 +97,10 @@ def _reduced(polynomial: Expr, alpha: Expr, beta: Expr, u: Expr) -> tuple[Expr, 
 
     So A alpha w + the integral of remainder w is that of polynomial w, where (alpha w)' = beta w.
     """
-    total, left = sp.Integer(0), sp.Poly(polynomial, u)
-    alpha, beta = sp.Poly(alpha, u), sp.Poly(beta, u)
+    total = sp.Integer(0)
+    left = sp.Poly(polynomial, u)
+    alpha = sp.Poly(alpha, u)
+    beta = sp.Poly(beta, u)
     drop = max(alpha.degree() - 1, beta.degree())
     while left.degree() >= drop and not left.is_zero:
         k = left.degree() - drop
@@ -116,7 +126,8 @@ def _root(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     Where its zeros may be real it is a logarithm, for a, b, c >= 0, and for a < 0 an arcsine.
     """
     base, exponent = node.as_base_exp()
-    quadratic, times = coefficients(base, u), exponent + _HALF
+    quadratic = coefficients(base, u)
+    times = exponent + _HALF
     if len(quadratic) != 3 or not (times.is_Integer and times >= 0):
         return None
     a, b, c = quadratic
@@ -139,7 +150,9 @@ def _gaussian(polynomial: Expr, node: Expr, quadratic: list[Expr], u: Expr) -> E
     a, b, c = -quadratic[0], *quadratic[1:]
     if not a.is_positive:
         return None
-    x, root, middle = sp.Dummy("x", real=True), sp.sqrt(a), b / (2 * a)
+    x = sp.Dummy("x", real=True)
+    root = sp.sqrt(a)
+    middle = b / (2 * a)
     inner = sp.expand(polynomial.subs(u, x / root + middle)) / root
     above, constant = _reduced(inner, sp.Integer(1), -2 * x, x)
     integral = above * sp.exp(-(x**2)) + constant * sp.sqrt(sp.pi) / 2 * sp.erf(x)
@@ -152,7 +165,8 @@ def _lognormal(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     quadratic = coefficients(sp.expand_log(node.exp).subs(sp.log(u), x), x)
     if len(quadratic) != 3 or any(part.has(u) for part in quadratic) or not quadratic[0].is_negative:
         return None
-    (a, b, c), total = (-quadratic[0], *quadratic[1:]), sp.Integer(0)
+    (a, b, c) = (-quadratic[0], *quadratic[1:])
+    total = sp.Integer(0)
     for (n,), front in sp.Poly(polynomial, u).terms():
         rate = n + 1 + b
         bell = sp.erf(sp.sqrt(a) * sp.log(u) - rate / (2 * sp.sqrt(a)))
@@ -192,11 +206,14 @@ def _upper_gamma(order: Expr, x: Expr) -> Expr:
 def _exponential_power(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     """Integrate u^n (a u + b)^p exp(-k u), p no integer: upper incomplete gamma functions of k (u + b/a)."""
     power, exponential = factors.as_independent(sp.exp, as_Add=False)
-    match, line = as_power(power, u), coefficients(exponential.args[0], u) if exponential.args else []
+    match = as_power(power, u)
+    line = coefficients(exponential.args[0], u) if exponential.args else []
     if match is None or not isinstance(exponential, sp.exp) or len(line) != 2 or not line[0].is_negative:
         return None
     _, rate, shift, p = match
-    k, start, x = -line[0], shift / rate, sp.Dummy("x", positive=True)
+    k = -line[0]
+    start = shift / rate
+    x = sp.Dummy("x", positive=True)
     if not start.is_positive:
         return None
     terms = sp.Poly(sp.expand(polynomial.subs(u, x - start)), x).terms()
@@ -208,8 +225,10 @@ def _power_of_logarithm(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     """Integrate u^n y^p, y = c - b log(u) > 0, b > 0: upper incomplete gamma functions of multiples of y."""
     base, p = node.as_base_exp()
     if sp.denom(base).has(u):
-        base, p = 1 / base, -p
-    b, c = -base.coeff(sp.log(u)), base.subs(sp.log(u), 0)
+        base = 1 / base
+        p = -p
+    b = -base.coeff(sp.log(u))
+    c = base.subs(sp.log(u), 0)
     if p.has(u) or p.is_integer is not False or c.has(u) or not b.is_positive:
         return None
     if sp.expand(base - c + b * sp.log(u)) != 0:
@@ -226,15 +245,19 @@ def _damped_wave(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     exponential, wave = factors.as_independent(sp.sin, sp.cos, as_Add=False)
     if not (isinstance(exponential, sp.exp) and isinstance(wave, sp.sin | sp.cos)):
         return None
-    (a, *c), (b, *d) = (coefficients(factor.args[0], u) for factor in (exponential, wave))
+    a, *c = coefficients(exponential.args[0], u)
+    b, *d = coefficients(wave.args[0], u)
     if not len(c) == len(d) == 1:
         return None
-    angle, square = wave.args[0], a**2 + b**2
+    angle = wave.args[0]
+    square = a**2 + b**2
 
     def ladder(j: int) -> Expr:
-        x, y = sp.Dummy("x", real=True), sp.Dummy("y", real=True)
+        x = sp.Dummy("x", real=True)
+        y = sp.Dummy("y", real=True)
         P, Q = (part.subs({x: a, y: b}) for part in sp.expand((x - sp.I * y) ** j).as_real_imag())
-        cosine, sine = sp.cos(angle), sp.sin(angle)
+        cosine = sp.cos(angle)
+        sine = sp.sin(angle)
         turned = P * cosine - Q * sine if isinstance(wave, sp.cos) else P * sine + Q * cosine
         return exponential * turned / square**j
 
@@ -255,7 +278,8 @@ def _sine_over_speed(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
 
 def _exponential_logarithm(polynomial: Expr, exponential: Expr, logarithm: Expr, u: Expr) -> Expr | None:
     """Integrate u^n exp(-a u) log(r u + s), s > 0, by parts: what is left are exponential integrals."""
-    line, inner = coefficients(exponential.args[0], u), coefficients(logarithm.args[0], u)
+    line = coefficients(exponential.args[0], u)
+    inner = coefficients(logarithm.args[0], u)
     if logarithm.is_Pow or len(line) != 2 or len(inner) != 2 or inner[1] == 0:
         return None
     whole = sp.factor_terms(_integrate_repeatedly(polynomial, exponential, line, u) / exponential)
@@ -278,7 +302,8 @@ def _log_cosh(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     """Integrate u^n log(cosh(a u + b)) by parts: what is left is u^(n + 1) tanh(a u + b)."""
     if node.is_Pow or not isinstance(node.args[0], sp.cosh):
         return None
-    (x,), whole = node.args[0].args, _integral_of_polynomial(polynomial, u)
+    (x,) = node.args[0].args
+    whole = _integral_of_polynomial(polynomial, u)
     left = antiderivative(sp.expand(whole * sp.diff(x, u)) * sp.tanh(x), sp.Integer(1), u)
     return None if left is None else whole * node - left[1]
 
@@ -295,10 +320,12 @@ def _softplus(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
 
 def _product_of_roots(polynomial: Expr, first: Expr, second: Expr, u: Expr) -> Expr | None:
     """Integrate u^n (a u + b)^(i/2) (c u + d)^(k/2), i and k odd and >= -1: the root of a quadratic."""
-    one, two = as_power(first, u), as_power(second, u)
+    one = as_power(first, u)
+    two = as_power(second, u)
     if one is None or two is None:
         return None
-    (left, *_, p), (right, *_, q) = one, two
+    (left, *_, p) = one
+    (right, *_, q) = two
     if not ((p + _HALF).is_Integer and (q + _HALF).is_Integer):
         return None
     lowest = min(p, q)
@@ -339,7 +366,9 @@ def _exponential_of_inverse(polynomial: Expr, node: Expr, u: Expr) -> Expr | Non
     a = -inverse * u
     if a.has(u) or not a.is_positive:
         return None
-    x, total, top = a / u, sp.Integer(0), int(sp.degree(polynomial, u)) if polynomial.has(u) else 0
+    x = a / u
+    total = sp.Integer(0)
+    top = int(sp.degree(polynomial, u)) if polynomial.has(u) else 0
     integral = sp.expint(1, x)
     for n in range(top + 1):
         integral = (sp.exp(-x) - x * integral) / (n + 1)
@@ -368,8 +397,10 @@ def _reciprocal_of_logarithm(polynomial: Expr, node: Expr, u: Expr) -> Expr | No
     if power != -1 or len(logarithms) != 1:
         return None
     (logarithm,) = logarithms
-    line, c = coefficients(logarithm.args[0], u), base.subs(logarithm, 0)
-    b, w = base.coeff(logarithm), sp.Dummy("w", positive=True)
+    line = coefficients(logarithm.args[0], u)
+    c = base.subs(logarithm, 0)
+    b = base.coeff(logarithm)
+    w = sp.Dummy("w", positive=True)
     if (
         len(line) != 2
         or c.has(u)
@@ -402,9 +433,12 @@ def _fraction(numerator: Expr, monic: list[Expr], power: int, u: Expr) -> Expr |
     over = sp.log(of_zero) if power == 1 else base ** (1 - power) / (1 - power)
     if not middle:
         return numerator * over
-    (b,), line = middle, sp.Poly(numerator, u)
-    A, gap = line.nth(1), minus_discriminant(middle[0], c)
-    B, total = line.nth(0) - A * b / 2, A / 2 * over
+    (b,) = middle
+    line = sp.Poly(numerator, u)
+    A = line.nth(1)
+    gap = minus_discriminant(middle[0], c)
+    B = line.nth(0) - A * b / 2
+    total = A / 2 * over
     for k in range(power - 1, 0, -1):
         total += B * (2 * u + b) / (k * gap * base**k)
         B *= sp.Rational(2 * (2 * k - 1), k) / gap
@@ -451,7 +485,9 @@ def _logarithm_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr | N
     line = coefficients(logarithm.args[0], u) if isinstance(logarithm, sp.log) else []
     if parts is None or len(line) != 2 or any(len(base) > 2 for _, base, _ in parts[1]):
         return None
-    whole, total, start = _integral_of_polynomial(parts[0], u), sp.Integer(0), line[1] / line[0]
+    whole = _integral_of_polynomial(parts[0], u)
+    total = sp.Integer(0)
+    start = line[1] / line[0]
     for numerator, (_, s), power in parts[1]:
         if power > 1:
             whole += numerator * (u + s) ** (1 - power) / (1 - power)
@@ -469,10 +505,12 @@ def _exponential_tanh(polynomial: Expr, exponential: Expr, tanh: Expr, u: Expr) 
 
     exp(-r x) tanh(x) = exp(-r x) - 2 exp(-(r + 2) x) Phi(-exp(-2 x), 0, 1 + r/2), x = k u, r = a/k.
     """
-    decay, slope = (coefficients(factor.args[0], u) for factor in (exponential, tanh))
+    decay = coefficients(exponential.args[0], u)
+    slope = coefficients(tanh.args[0], u)
     if not isinstance(tanh, sp.tanh) or not len(decay) == len(slope) == 2 or slope[1] != 0:
         return None
-    k, r = slope[0], -decay[0] / slope[0]
+    k = slope[0]
+    r = -decay[0] / slope[0]
     if not r.is_positive:
         return None
 

@@ -29,7 +29,9 @@ _HALF = sp.Rational(1, 2)
 
 def harmonic_average(rest: Expr, u: Expr, V: Expr) -> tuple[str, Expr] | None:
     """Return the name of the rule that averages a term and H[rest], or None; waves apart, each by its rule."""
-    names, total, pole = [], sp.Integer(0), sp.Integer(0)
+    names = []
+    total = sp.Integer(0)
+    pole = sp.Integer(0)
     for part, constant in grouped(waves_apart(rest), u).items():
         if (exponent := _exponent_over_speed(part, u)) is not None:
             rate, shift = exponent
@@ -89,7 +91,8 @@ def _rational(polynomial: Expr, factors: Expr, u: Expr, V: Expr) -> Expr | None:
         return None
     total = sp.Add(*[c * _power_moment(sp.Integer(n), V) for (n,), c in sp.Poly(parts[0], u).terms()])
     for numerator, (_, *b, c), power in parts[1]:
-        A, B = sp.Poly(numerator, u).nth(1), sp.Poly(numerator, u).nth(0)
+        A = sp.Poly(numerator, u).nth(1)
+        B = sp.Poly(numerator, u).nth(0)
         if not b:
             total += numerator * _average_over_linear(c, power, V)
         else:
@@ -122,7 +125,8 @@ def _average_over_quadratic(A: Expr, B: Expr, b: Expr, c: Expr, power: int, V: E
     for k in range(1, power):
         slope = sp.diff(value, p) / p + sp.diff(value, q) / q + t * (1 - t**2) / (p * q) * sp.diff(value, t)
         value = sp.factor(-slope.subs(q, other) / (2 * k))
-    low, high = sp.sqrt(c), sp.sqrt(c + 2 * b * V + 4 * V**2)
+    low = sp.sqrt(c)
+    high = sp.sqrt(c + 2 * b * V + 4 * V**2)
     between = low * (low + high) + b * V
     value = value.subs(2 * t**2 - 1, high / low)
     return value.subs({p: low, q: high, w: between, t: (low + high) / sp.sqrt(2 * between)}, simultaneous=True)
@@ -164,16 +168,26 @@ def _series(polynomial: Expr, factors: Expr, u: Expr, V: Expr) -> Expr | None:
     q, upper, lower, d = sp.Integer(0), [], [], sp.Integer(2)  # front u^q pFq(upper; lower; z u^d)
     if (stretched := as_stretched(factors, u)) is not None:
         front, q, k, d = stretched
-        z, known = -k, d in (_HALF, 1, 2)
+        z = -k
+        known = d in (_HALF, 1, 2)
     elif (binomial := as_binomial(factors, u)) is not None:
         q, b, a, d, p = binomial
-        front, upper, z, known = b**p, [-p], -a / b, d.is_Integer
+        front = b**p
+        upper = [-p]
+        z = -a / b
+        known = d.is_Integer
     elif (rate := _rate_of_sinc(factors, u)) is not None:
-        front, lower, z, known = rate, [3 * _HALF], -(rate**2) / 4, True
+        front = rate
+        lower = [3 * _HALF]
+        z = -(rate**2) / 4
+        known = True
     else:
         line = coefficients(factors.args[0], u) if isinstance(factors, sp.erf) else []
         known = len(line) == 2 and line[1] == 0
-        q, upper, lower, z = sp.Integer(1), [_HALF], [3 * _HALF], -(line[0] ** 2) if known else sp.S.Zero
+        q = sp.Integer(1)
+        upper = [_HALF]
+        lower = [3 * _HALF]
+        z = -(line[0] ** 2) if known else sp.S.Zero
         front = 2 * sp.sqrt(-z / sp.pi)
     if not known:
         return None
@@ -190,7 +204,8 @@ def _rate_of_sinc(factors: Expr, u: Expr) -> Expr | None:
 
 def _average_of_series(q: Expr, upper: list[Expr], lower: list[Expr], z: Expr, d: Expr, V: Expr) -> Expr:
     """Average u^q pFq(upper; lower; z u^d), d = a/b: the sum over every b-th power of z, for b first powers."""
-    a, b = int(d.p), int(d.q)
+    a = int(d.p)
+    b = int(d.q)
     total = sp.Integer(0)
     for start in range(b):
         first = b if q == 0 and start == 0 else start  # H[u^0] = 0
@@ -233,7 +248,8 @@ def _damped_wave(polynomial: Expr, factors: Expr, u: Expr, V: Expr) -> Expr | No
     (a, *c), (b, *d) = (coefficients(factor.args[0], u) for factor in (exponential, wave))
     if not len(c) == len(d) == 1:
         return None
-    z, phase = a + sp.I * b, c[0] + sp.I * d[0]
+    z = a + sp.I * b
+    phase = c[0] + sp.I * d[0]
     part = sp.re if isinstance(wave, sp.cos) else sp.im
     return _averages(polynomial, lambda k: part(sp.exp(phase + z * V) * sp.besseli(k, -z * V)), u, V)
 
@@ -245,12 +261,14 @@ def _logarithm(polynomial: Expr, node: Expr, line: list[Expr], u: Expr, V: Expr)
     the positive root for either sign of a. With coefficients -rho^k/k those of the square are a sum
     of rho^(2 k + 1)/(k (k + 1)).
     """
-    (rate, shift), (_, power) = line, node.as_base_exp()
+    (rate, shift) = line
+    (_, power) = node.as_base_exp()
     if not shift.is_nonnegative or power > 2 or (power == 2 and polynomial.has(u)):
         return None
     root = sp.sqrt(shift * (shift + 2 * rate * V))
     reach = shift + rate * V + root
-    rho, mean = rate * V / reach, sp.log(sp.expand(reach) / 2)
+    rho = rate * V / reach
+    mean = sp.log(sp.expand(reach) / 2)
     if power == 2:
         rest = 1 + 2 * root * reach / (rate * V) ** 2 * sp.log(2 * root / reach) if shift != 0 else sp.Integer(1)
         return polynomial * 4 / V * rho * (rest - mean)
@@ -263,7 +281,8 @@ def _arctangent(polynomial: Expr, node: Expr, line: list[Expr], u: Expr, V: Expr
         return None
     # SymPy writes atan(u/w - a) as -atan(a - u/w); the arctangent is odd.
     sign = {True: sp.S.One, False: sp.S.NegativeOne}.get(line[0].is_nonnegative, line[0] / sp.Abs(line[0]))
-    x, y = line[1] / line[0], 1 / (sign * line[0] if line[0].is_nonnegative is not None else sp.Abs(line[0]))
+    x = line[1] / line[0]
+    y = 1 / (sign * line[0] if line[0].is_nonnegative is not None else sp.Abs(line[0]))
     return sign * _average_of_complex_logarithm(
         polynomial, x, y, lambda p, q: sp.atan(p / q), lambda p, q: q, u, V
     )
@@ -296,7 +315,8 @@ def _average_of_complex_logarithm(
     size = sp.sqrt((x**2 + y**2) * ((x + 2 * V) ** 2 + y**2))
     imaginary = sp.sqrt((size - square) / 2)
     real = y * (x + V) / imaginary
-    P, Q = sp.Dummy("P", real=True), sp.Dummy("Q", real=True)
+    P = sp.Dummy("P", real=True)
+    Q = sp.Dummy("Q", real=True)
 
     def coefficient(k: int) -> Expr:
         if k == 0:
@@ -315,7 +335,8 @@ def _asinh(polynomial: Expr, node: Expr, line: list[Expr], u: Expr, V: Expr) -> 
     rate, shift = line
     if node.is_Pow or polynomial.has(u):
         return None
-    A, B = sp.sqrt(1 + (shift + 2 * V * rate) ** 2), sp.sqrt(1 + shift**2)
+    A = sp.sqrt(1 + (shift + 2 * V * rate) ** 2)
+    B = sp.sqrt(1 + shift**2)
     n = -((A - B) ** 2) / (4 * A * B)
     m = n + (rate * V) ** 2 / (A * B)
     elliptic = (1 - n) * sp.elliptic_pi(n, m) - sp.elliptic_e(m)
@@ -327,10 +348,12 @@ def _asinh(polynomial: Expr, node: Expr, line: list[Expr], u: Expr, V: Expr) -> 
 
 def average_of_pieces(pieces: list[Expr], ends: list[Expr], u: Expr, V: Expr) -> Expr | None:
     """Return H of a term that is a polynomial in u, and in 1/u but on the first piece, i from end i to i + 1."""
-    theta, t = sp.Dummy("theta", real=True), sp.Dummy("t")
+    theta = sp.Dummy("theta", real=True)
+    t = sp.Dummy("t")
     primitives = [sp.Integer(0)]
     for number, piece in enumerate(pieces):
-        polynomial, inverse = sp.Integer(0), sp.Integer(0)
+        polynomial = sp.Integer(0)
+        inverse = sp.Integer(0)
         for term in sp.Add.make_args(sp.expand(piece)):
             if term.is_polynomial(u):
                 polynomial += term

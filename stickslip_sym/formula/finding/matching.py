@@ -102,7 +102,8 @@ def partial_fractions(rest: Expr, u: Expr) -> tuple[Expr, list[tuple[Expr, list[
     """
     if not rest.is_rational_function(u):
         return None
-    polynomial, fractions = sp.Integer(0), []
+    polynomial = sp.Integer(0)
+    fractions = []
     for term in sp.Add.make_args(sp.apart(sp.together(rest), u)):
         numerator, denominator = sp.fraction(sp.factor(term))
         constant, varying = denominator.as_independent(u, as_Add=False)

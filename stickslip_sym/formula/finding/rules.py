@@ -76,7 +76,8 @@ def _averaged(
     pieces: list[Expr], ends: list[Expr], criterion: Criterion, *, search_too: bool
 ) -> tuple[str, Expr, list[Expr]]:
     """Return a rule's name, the average of a term in pieces, and their antiderivatives where there are such."""
-    v, V = symbols.v, symbols.V
+    v = symbols.v
+    V = symbols.V
     average: tuple[str, Expr] | None
     if not criterion.is_polynomial:
         if len(pieces) > 1:

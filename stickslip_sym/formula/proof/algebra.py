@@ -29,7 +29,8 @@ class Element:
     __slots__ = ("algebra", "polynomial")
 
     def __init__(self, algebra: "Algebra", polynomial: PolyElement) -> None:
-        self.algebra, self.polynomial = algebra, polynomial
+        self.algebra = algebra
+        self.polynomial = polynomial
 
     def __add__(self, other: "Element") -> "Element":
         return Element(self.algebra, self.polynomial + other.polynomial)
@@ -76,7 +77,8 @@ class Algebra:
     """The formulas in one variable and some parameters."""
 
     def __init__(self, variable: Expr, parameters: Sequence[Expr]) -> None:
-        self.variable, self.symbols = variable, {variable, *parameters, sp.pi}
+        self.variable = variable
+        self.symbols = {variable, *parameters, sp.pi}
         self.field = sp.QQ.frac_field(variable, *parameters, sp.pi)
         self.ring = sp.ring([f"g{i}" for i in range(_GENERATORS)], self.field)[0]
         self.slopes: dict[PolyElement, Callable[[], Element]] = {}  # of the generators that are functions
@@ -124,7 +126,8 @@ class Algebra:
         for index in reversed(self._squares):
             if any(monomial[index] for monomial in a.polynomial):
                 conjugate = Element(self, a.polynomial.compose(self.ring.gens[index], -self.ring.gens[index]))
-                above, a = above * conjugate, a * conjugate
+                above *= conjugate
+                a *= conjugate
         if not a or not a.polynomial.is_ground:
             raise ValueError("a denominator is zero, or holds special functions")
         return Element(self, above.polynomial.mul_ground(1 / a.polynomial.coeff(1)))
@@ -152,7 +155,8 @@ class Algebra:
             for index in sorted({i for monomial in polynomial for i, power in enumerate(monomial) if power}):
                 if index in rows:
                     continue
-                slope, square = self.slopes.get(self.ring.gens[index]), self._squares.get(index)
+                slope = self.slopes.get(self.ring.gens[index])
+                square = self._squares.get(index)
                 derivative = None if slope is None else slope()
                 texts = (derivative and self.by_names(derivative), square and self._with(self._names, square))
                 rows[index] = Generator(self._names[index], self._meanings[index], *texts)
@@ -223,7 +227,8 @@ class Algebra:
         if index not in (2, 4):
             raise ValueError(f"no {index}th roots are known here")
         if (base, index) not in self._seen:
-            square, exponent = self._square_root(base, index // 2), sp.Rational(1, index)
+            square = self._square_root(base, index // 2)
+            exponent = sp.Rational(1, index)
             self._seen[base, index] = self._power(base**exponent, base, exponent, square.polynomial)
         return self._seen[base, index]
 
@@ -236,7 +241,8 @@ class Algebra:
         raised = next((a for a in upper if a + 1 in lower), None)
         if raised is not None:
             # (theta + a) F(a, ...; a + 1, ...; z) = a F(...; ...; z): of one order less than it seems.
-            above, below = list(upper), list(lower)
+            above = list(upper)
+            below = list(lower)
             above.remove(raised)
             below.remove(raised + 1)
             less = sp.hyper(above, below, z)
@@ -297,7 +303,8 @@ class LaurentSeries:
 
     def __mul__(self, other: "LaurentSeries") -> "LaurentSeries":
         count = min(len(self.coefficients), len(other.coefficients))
-        left, right = self.coefficients, other.coefficients
+        left = self.coefficients
+        right = other.coefficients
         values = [reduce(add, [left[i] * right[n - i] for i in range(n + 1)]) for n in range(count)]
         return LaurentSeries.of(self.order + other.order, values)
 
@@ -306,7 +313,9 @@ class SeriesExpansion:
     """Expressions in `x` as series with `terms` terms, coefficients in the constants of an algebra."""
 
     def __init__(self, algebra: Algebra, x: Expr, terms: int) -> None:
-        self.algebra, self.x, self.terms = algebra, x, terms
+        self.algebra = algebra
+        self.x = x
+        self.terms = terms
         self._seen: dict[Expr, LaurentSeries] = {}
 
     def of(self, expr: Expr) -> LaurentSeries:
@@ -343,7 +352,8 @@ class SeriesExpansion:
         """Return base^p by the series of (1 + x)^p; p an integer, or a half, or base(0) != 0."""
         if not base.coefficients:
             raise ValueError("too many terms of a base cancel")
-        order, lead = exponent * base.order, base.coefficients[0]
+        order = exponent * base.order
+        lead = base.coefficients[0]
         if not order.is_Integer:
             raise ValueError(f"a fractional power of {self.x} is no series at {self.x} = 0")
         if exponent.is_Integer:
@@ -358,7 +368,8 @@ class SeriesExpansion:
         """Return the sum of (upper)_k/(lower)_k z^k/k! for a series z that vanishes at 0."""
         if z.order < 1:
             raise ValueError("a function is needed at another place than 0")
-        value, power = sp.S.One, self._constant(sp.S.One)
+        value = sp.S.One
+        power = self._constant(sp.S.One)
         total = power
         for k in range(1, self.terms):
             power *= z
@@ -373,7 +384,8 @@ class SeriesExpansion:
         slope = sp.diff(expr, self.x)
         if len(expr.args) > 1 or slope.has(expr.func):
             raise ValueError(f"the series of {expr.func.__name__} at {self.x} = 0 is not known here")
-        inner, series = self.of(expr.args[0]), self.of(slope)
+        inner = self.of(expr.args[0])
+        series = self.of(slope)
         if series.order < 0 and series.coefficients:
             raise ValueError(f"{expr} is infinite at {self.x} = 0")
         if inner.order < 0 or inner.known < 1:

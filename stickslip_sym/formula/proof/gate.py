@@ -55,7 +55,8 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
     rng = random.Random(_GATE_SEED)
     exponents = {node.exp for node in profile.atoms(sp.Pow)}
     exponents |= {symbol for node in profile.atoms(sp.exp) if node.has(sp.log) for symbol in node.free_symbols}
-    compared, enclosed = 0, True
+    compared = 0
+    enclosed = True
     for _ in range(_MOST_DRAWS):
         check_time()
         point = {}
@@ -78,7 +79,8 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
             words = ", ".join(f"{symbol} = {float(value):g}" for symbol, value in point.items())
             sides = expected.apart(got)
             return Verdict(Status.REFUTED, f"formula {sides[1]}, definition {sides[0]} at {words}", point)
-        compared, enclosed = compared + 1, enclosed and surely and too
+        compared += 1
+        enclosed = enclosed and surely and too
         if compared == GATE_POINTS or not closed.free_symbols:
             what = (
                 f"enclosures to {GATE_DIGITS}"
@@ -125,7 +127,8 @@ def _definition(profile: Expr, criterion: Criterion, point: Mapping[Expr, Expr])
         return enclosure_of(refined(enclosed, _BITS_OF_GATE, _MOST_GATE_BITS)), True
     # The profile is infinite at v = 0, or holds a function that is not enclosed.
     mu = function_of([symbols.v], profile.xreplace(shapes), mp.context)
-    kinks, digits = kinks_at(profile, shapes), _QUADRATURE_DIGITS
+    kinks = kinks_at(profile, shapes)
+    digits = _QUADRATURE_DIGITS
     number = exact(quadrature.average(mu, kinks, criterion, point[symbols.V], digits), "value")
     margin = abs(number) / sp.Integer(10) ** (digits - _DIGITS_NOT_CLAIMED)
     return Enclosure.of(number - margin, number + margin), False

@@ -80,7 +80,8 @@ def _contiguous(expr: Expr) -> Expr:
         lower = next((F for F in functions if F.argument == node.argument and _is_shifted(node, F)), None)
         if lower is None:
             continue
-        (w,), z = lower.bq, node.argument
+        (w,) = lower.bq
+        z = node.argument
         minus_p = lower.ap[1] if sp.expand(w - lower.ap[0]) == 1 else lower.ap[0]
         # F' = -p e/(1 + e) times the node.
         replaced[node] = w / minus_p * ((1 - z) ** -minus_p - lower) / z
@@ -89,7 +90,10 @@ def _contiguous(expr: Expr) -> Expr:
 
 def _is_shifted(node: Expr, lower: Expr) -> bool:
     """Whether the parameters of a node are those of another function, each one higher."""
-    (x, y), (w,), (a, b), (c,) = node.ap, node.bq, lower.ap, lower.bq
+    (x, y) = node.ap
+    (w,) = node.bq
+    (a, b) = lower.ap
+    (c,) = lower.bq
     shifts = [{sp.expand(w - c), sp.expand(x - s), sp.expand(y - t)} for s, t in ((a, b), (b, a))]
     return {1} in shifts
 
@@ -137,7 +141,8 @@ def _elementary_hypergeometric(node: Expr) -> Expr:
     if is_arctangent(node) and z.is_negative:
         return sp.atan(sp.sqrt(-z)) / sp.sqrt(-z)
     if is_integral_of_binomial(node):
-        e, p = node.bq[0] - 1, sp.Add(*node.ap) - node.bq[0] + 1
+        e = node.bq[0] - 1
+        p = sp.Add(*node.ap) - node.bq[0] + 1
         if e.is_Integer and 0 < e <= _MOST_SUM_TERMS and p.is_Rational and not p.is_Integer:
             return _hypergeometric_of_whole_order(int(e), p, z)
     return sp.hyper(node.ap, node.bq, z)
@@ -201,7 +206,8 @@ def _split(integral: Expr) -> Expr:
     That is: limits from low to high, and one name for the variable of integration.
     """
     variable, low, high = single_limit(integral)
-    low, high = sp.expand(low), sp.expand(high)
+    low = sp.expand(low)
+    high = sp.expand(high)
     sign = 1
     if sp.default_sort_key(low) > sp.default_sort_key(high):
         low, high, sign = high, low, -1

@@ -68,7 +68,8 @@ class Verdict(Shown, DataResult):
 
 def prove_equal(lhs: Expr, rhs: Expr, by: By | None = None, checked: Verdict | None = None) -> Verdict:
     """Prove or refute lhs = rhs, both of which may hold unknown functions, and integrals over them."""
-    lhs, rhs = sp.sympify(lhs), sp.sympify(rhs)
+    lhs = sp.sympify(lhs)
+    rhs = sp.sympify(rhs)
     obstacle = "the difference does not reduce to 0"
     try:
         if _vanishes((lhs if by is None else by(lhs)) - rhs):
@@ -147,7 +148,8 @@ def _judge_at_points(sides: tuple[Expr, ...], judge: Callable[..., str | bool]) 
 
     `judge` says in words how the sides fail, or whether they surely hold.
     """
-    holds, obstacles = 0, ""
+    holds = 0
+    obstacles = ""
     for point in _random_points(*sides):
         judged: str | bool = False
         try:
@@ -166,7 +168,8 @@ def _judge_at_points(sides: tuple[Expr, ...], judge: Callable[..., str | bool]) 
 def _judge_equal(left: acb, right: acb) -> str | bool:
     if not left.overlaps(right):
         part, unit = ("imag", "i") if left.real.overlaps(right.real) else ("real", "")
-        first, second = (enclosure_of(getattr(side, part)) for side in (left, right))
+        first = enclosure_of(getattr(left, part))
+        second = enclosure_of(getattr(right, part))
         return "left {0}{2}, right {1}{2}".format(*first.apart(second), unit)
     size = left.abs_upper() + right.abs_upper()
     return bool((left - right).abs_upper() <= (size * arb(10) ** -_DIGITS_OF_EQUALITY).max(_SIZE_OF_ZERO))

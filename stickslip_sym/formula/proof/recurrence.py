@@ -89,7 +89,8 @@ class SeriesProof:
 
 def definition(mu: Expr, criterion: Criterion) -> Expr:
     """Return -<mu'(V(1 + s))>_w as an integral of mu itself."""
-    v, theta = symbols.v, symbols.theta
+    v = symbols.v
+    theta = symbols.theta
     if not criterion.is_polynomial:
         return sp.Integral(mu.subs(v, V * (1 - sp.cos(theta))) * criterion.angle_kernel, (theta, 0, sp.pi))
     boundary = criterion.boundary(mu)
@@ -113,7 +114,8 @@ def prove_average(term: Expr, value: Expr, criterion: Criterion) -> SeriesProof 
     weighted, common = _weighted(recurrence, criterion, n)
     first = _fixed_from(weighted[-1].as_expr() * common, n, start)
     r = len(weighted) - 1
-    operator, count = [sp.Poly(q.as_expr().subs(n, n - r + k), n) for k, q in enumerate(weighted[::-1])], first + r
+    operator = [sp.Poly(q.as_expr().subs(n, n - r + k), n) for k, q in enumerate(weighted[::-1])]
+    count = first + r
     algebra = Algebra(V, parameters)
     if not is_smooth(value, V, analytic=True, inside=False):
         raise ValueError(f"{value} is not known to be analytic for {V} > 0")
@@ -142,7 +144,8 @@ def _equation_of(term: Expr, u: Expr) -> tuple[list[sp.Poly], sp.Poly]:
             raise ValueError(f"{term} is not known to be finite at {u} = 0")
         equation = [below]
     elif is_smooth(term, u):
-        equation, rest = _equation(term, u), sp.Poly(0, u)
+        equation = _equation(term, u)
+        rest = sp.Poly(0, u)
     else:
         raise ValueError(f"{term} is not known to be smooth for {u} >= 0")
     _require_no_zero(equation[-1].as_expr(), u)
@@ -247,8 +250,10 @@ def _require_same_start(algebra: Algebra, term: Expr, value: Expr, criterion: Cr
 
 def _require_equation(product: Element, operator: list[sp.Poly], count: int) -> None:
     """Apply sum_k V^k q_k(theta), theta = V d/dV, to V F: a polynomial below V^count must be left."""
-    algebra, (n,) = product.algebra, operator[0].gens
-    terms, power = [], product
+    algebra = product.algebra
+    (n,) = operator[0].gens
+    terms = []
+    power = product
     for i in range(max(q.degree() for q in operator) + 1):
         factor = sp.Add(*[V**k * q.coeff_monomial(n**i) for k, q in enumerate(operator)])
         terms.append(power * algebra.of(factor))

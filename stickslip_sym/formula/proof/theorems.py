@@ -110,7 +110,8 @@ def Antiderivative(primitive: Expr, variable: Expr) -> PieceByPiece:
 
 def ends_of_pieces(places: Sequence[Expr], high: Expr, low: Expr = sp.S.Zero) -> list[Expr]:
     """Return the ends of the pieces within [low, high], in order whatever the places are."""
-    ends, before = [low], low
+    ends = [low]
+    before = low
     for place in places:
         before = place if (place - before).is_nonnegative else sp.Max(place, before)
         ends.append(sp.Min(before, high))
@@ -134,7 +135,8 @@ def _difference_of_primitive(
     primitive: Expr, integrand: Expr, x: Expr, low: Expr, high: Expr, end: Expr | None = None
 ) -> Expr:
     """Return primitive(high) - primitive(low), once it is known to be the integral."""
-    rest, above = sp.diff(primitive, x) - integrand, sp.Dummy(x.name, positive=True)
+    rest = sp.diff(primitive, x) - integrand
+    above = sp.Dummy(x.name, positive=True)
     if end is not None:
         rest = _positive_symbol_below(rest, x, end, above)
     if not (rest.is_polynomial(x) and sp.expand(rest) == 0) and normal_form(rest) != 0:
@@ -156,7 +158,7 @@ def _positive_symbol_below(expr: Expr, x: Expr, end: Expr | None, above: Expr) -
     return moved.replace(sp.log, lambda argument: sp.expand_log(sp.log(argument)))
 
 
-@lru_cache(maxsize=256)  # found, and proved
+@lru_cache  # found, and proved
 def value_at(primitive: Expr, x: Expr, place: Expr) -> Expr:
     """Return a primitive at a place, or its limit from above at 0 where powers outweigh logarithms."""
     value = primitive.subs(x, place)
@@ -209,7 +211,8 @@ def _vanishes_at_rest(factor: Expr, x: Expr) -> bool:
         rate = -sp.expand(factor.exp).coeff(x, -1)
         rest = sp.expand(factor.exp + rate / x)
     elif isinstance(factor, sp.expint):
-        rate, rest = sp.expand(factor.args[1] * x), sp.S.Zero
+        rate = sp.expand(factor.args[1] * x)
+        rest = sp.S.Zero
     else:
         return False
     return bool(rate.is_positive) and not rate.has(x) and not rest.has(x)
@@ -242,7 +245,8 @@ def _falls_with_logarithm(factor: Expr, x: Expr) -> bool:
 
 def _is_falling_logarithm(expr: Expr, x: Expr) -> bool:
     """Whether an expression is a log(x) + b, a > 0."""
-    rate, rest = expr.coeff(sp.log(x)), sp.expand(expr).coeff(sp.log(x), 0)
+    rate = expr.coeff(sp.log(x))
+    rest = sp.expand(expr).coeff(sp.log(x), 0)
     return bool(rate.is_positive) and not rest.has(x)
 
 
@@ -300,7 +304,8 @@ def is_positive(expr: Expr, x: Expr) -> bool:
     if len(roots) != 1:
         return False
     (root,) = roots
-    c, L = expr.coeff(root), expr.coeff(root, 0)
+    c = expr.coeff(root)
+    L = expr.coeff(root, 0)
     if not c.is_positive or L.has(root) or sp.expand(expr - c * root - L) != 0:
         return False
     return is_positive(L, x) or _outweighs(c**2 * root.base - L**2, L, x)

@@ -81,7 +81,8 @@ def _rewrite_power(base: Expr, exponent: Expr) -> Expr:
     if exponent.has(symbols.v):
         return sp.exp(exponent * sp.log(base)) if base.is_positive and not base.has(symbols.v) else base**exponent
     if base.func in _RECIPROCALS and exponent.is_negative:
-        base, exponent = _RECIPROCALS[base.func](base.args[0]), -exponent
+        base = _RECIPROCALS[base.func](base.args[0])
+        exponent = -exponent
     if base.is_Add and exponent.is_Integer and exponent < 0:
         if exponent >= -_MOST_EXPANDED and (reciprocal := _reciprocal_of_exponentials(base)) is not None:
             return reduce(lambda a, b: sp.expand(a * b), [reciprocal] * int(-exponent))
@@ -123,7 +124,8 @@ def _write_by_falling_exponential(base: Expr) -> tuple[Expr, Expr] | None:
 
 def _exponential(argument: Expr) -> Expr:
     """Return exp(...) with the logarithms in its argument taken as powers."""
-    factors, rest = [], []
+    factors = []
+    rest = []
     for term in sp.Add.make_args(sp.expand_mul(argument)):
         front, logarithm = term.as_independent(sp.log, as_Add=False)
         if isinstance(logarithm, sp.log) and logarithm.has(symbols.v) and not front.has(symbols.v):
@@ -171,7 +173,8 @@ def _rational_of_power(expr: Expr) -> Expr:
 def _write_langevin(expr: Expr) -> Expr:
     """Return a sum with a L(x), L Langevin's function, which is finite at 0, for a coth(x) - a/x."""
     for node in expr.atoms(sp.coth):
-        front, x = expr.coeff(node), node.args[0]
+        front = expr.coeff(node)
+        x = node.args[0]
         if front != 0 and -front / x in expr.args:
             expr += front * Langevin(x, 0) - front * node + front / x
     return expr

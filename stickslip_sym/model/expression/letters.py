@@ -43,7 +43,7 @@ class NamedConstants:
         return substitute_numbers(expr, self.meanings)
 
 
-@lru_cache(maxsize=256)
+@lru_cache
 def name_constants(expr: Expr) -> NamedConstants:
     """Return a formula with a letter for every long number in it, and for every sum of parameters that v is times.
 

@@ -165,11 +165,14 @@ class _Token:
 
 def _tokens(text: str) -> list[_Token]:
     """Return the tokens of a formula, the last one of the kind "end"."""
-    left, right = _LEFT_SIDE.match(text), _RIGHT_END.search(text)
-    start, stop = left.end() if left else 0, right.start() if right else len(text)
+    left = _LEFT_SIDE.match(text)
+    right = _RIGHT_END.search(text)
+    start = left.end() if left else 0
+    stop = right.start() if right else len(text)
     tokens: list[_Token] = []
     for match in _TOKEN.finditer(text, start, max(start, stop)):
-        position, word = match.start(), match[0]
+        position = match.start()
+        word = match[0]
         if match["number"]:
             tokens += _number_and_name(text, match)
         elif match["raised"]:  # a power, like ^-2
@@ -198,7 +201,9 @@ def _tokens(text: str) -> list[_Token]:
 
 def _number_and_name(text: str, match: re.Match[str]) -> list[_Token]:
     """Return a number, and a name that stands right after it: 2mu_s is 2*mu_s, but 0x10 and 2j are neither."""
-    number, joined, position = match["number"], match["joined"], match.start()
+    number = match["number"]
+    joined = match["joined"]
+    position = match.start()
     power_of_e = joined == "e" and text[match.end() :].lstrip().startswith(("^", "**"))
     if (
         joined
@@ -250,7 +255,9 @@ class _Parser:
     """Reads one formula: a method for each rule of the grammar, from sums down to operands."""
 
     def __init__(self, text: str, symbol: Callable[[str], Expr], described: Container[str]) -> None:
-        self.text, self.symbol, self.described = text, symbol, described
+        self.text = text
+        self.symbol = symbol
+        self.described = described
         self.tokens = _tokens(text)
         self.alone = {one.text for one, after in pairwise(self.tokens) if one.kind == "name" and after.text != "("}
         self.place = self.depth = self.kinks = self.bars = 0
@@ -315,10 +322,13 @@ class _Parser:
 
     def expression(self, least: int = 0) -> Expr:
         """Return what stands up to an operator that binds no tighter than `least`: -v^-2 is -(v^(-2))."""
-        signed, side = False, 1
+        signed = False
+        side = 1
         while sign := self.take("+", "-"):
-            signed, side = True, -side if sign.text == "-" else side
-        start, divisor = self.next, None
+            signed = True
+            side = -side if sign.text == "-" else side
+        start = self.next
+        divisor = None
         result = side * self.expression(max(least, _BINDING["*"])) if signed else self.operand()
         while True:
             token = self.next
@@ -330,7 +340,8 @@ class _Parser:
             if token.kind == "number" and self.tokens[self.place - 1].kind == "number":
                 self.fail(token, "two numbers side by side; write an operator between them")
             if implied and divisor is not None:
-                below, factor = self.text[divisor.position : token.position].strip(), token.text
+                below = self.text[divisor.position : token.position].strip()
+                factor = token.text
                 self.fail(
                     token, f"a product after a quotient: write /({below}*{factor}...) or /{below}*{factor}..."
                 )
@@ -363,7 +374,8 @@ class _Parser:
             called = not product and self.take("(")
             return self.nested(token, lambda: self._call(token)) if called else self._name(token)
         if self.take("√"):
-            bare, root = self.next.text != "(", self.nested(token, self.operand)
+            bare = self.next.text != "("
+            root = self.nested(token, self.operand)
             if bare and (self.next.kind in ("number", "name") or self.next.text in ("(", "^")):
                 self.fail(token, "what the root is of has two readings; write sqrt(...)")
             return self._checked(token, self._power(token, root, sp.S.Half))
@@ -451,7 +463,8 @@ class _Parser:
         if name not in self.functions:
             if name in _INSTEAD:
                 self.fail(token, f"there is no function {name!r}; write {_INSTEAD[name]}")
-            hint, known = suggestion(name, [*self.known, *_ALIASES]), ", ".join(self.known)
+            hint = suggestion(name, [*self.known, *_ALIASES])
+            known = ", ".join(self.known)
             product = "" if hint else f"; a product is written {name[:40]}*(...)"
             self.fail(token, f"there is no function {name[:40]!r}{hint}{product}; known: {known}")
         arguments = [] if self.next.text == ")" else [self.expression()]
@@ -498,7 +511,8 @@ class _Parser:
 
     def _piece(self) -> tuple[_Token, Expr, Bound | None]:
         """Return where a piece stands, its formula, and where that holds; None is everywhere."""
-        token, bound = self.next, None
+        token = self.next
+        bound = None
         if token.text == ")":
             self.fail(token, _PIECEWISE)
         if not self._is_pair():
@@ -509,7 +523,8 @@ class _Parser:
         if self.next.text == "True":
             self.place += 1
         else:
-            left, relation = self.expression(), self.take(*_RELATIONS)
+            left = self.expression()
+            relation = self.take(*_RELATIONS)
             bound = bound_of(left, relation.text, self.expression()) if relation else None
             if bound is None:
                 self.fail(token, _PIECEWISE)

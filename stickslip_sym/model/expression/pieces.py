@@ -63,7 +63,8 @@ def _smooth(cases: Cases) -> Cases:
     for piece, end in cases:
         for branch, inner in _smooth_cases(piece):
             ends = [one for one in (end, inner) if one is not None]
-            place, before = reduce(smaller, ends) if ends else None, smooth[-1][1] if smooth else sp.S.Zero
+            place = reduce(smaller, ends) if ends else None
+            before = smooth[-1][1] if smooth else sp.S.Zero
             is_empty = before is None or (place is not None and (place - before).is_nonpositive)
             if not is_empty:
                 smooth.append((branch, place))
@@ -105,7 +106,7 @@ def pieces_of(term: Expr) -> tuple[list[Expr], list[Expr]]:
     return list(pieces), list(ends[:-1])
 
 
-@lru_cache(maxsize=256)  # laws with other values share them
+@lru_cache  # laws with other values share them
 def places(expr: Expr) -> tuple[Expr, ...]:
     """Return the places of all kinks and jumps in an expression, as they stand there."""
     return tuple(
@@ -164,7 +165,8 @@ def jumps(expr: Expr, point: Mapping[Expr, Expr]) -> list[tuple[Expr, Expr]]:
     heights: list[tuple[Expr, Expr]] = []
     left = branch_from(expr, point, sp.Integer(0))
     for speed in kinks_at(expr, point):
-        place, right = formulas[speed], branch_from(expr, point, speed)
+        place = formulas[speed]
+        right = branch_from(expr, point, speed)
         if (height := sp.expand((right - left).subs(symbols.v, place))) != 0:
             heights.append((place, height))
         left = right
@@ -256,7 +258,8 @@ def _select(above: Expr, below: Expr, difference: Expr, constant: type[Expr]) ->
     if difference.is_nonnegative or difference.is_nonpositive:
         return above if difference.is_nonnegative else below
     # Expanding could take very long; a difference that is linear has a slope without v as it stands.
-    slope, offset = sp.diff(difference, symbols.v), difference.subs(symbols.v, 0)
+    slope = sp.diff(difference, symbols.v)
+    offset = difference.subs(symbols.v, 0)
     if slope == 0:
         result = constant(above, below)
         unordered = [node for node in sp.preorder_traversal(result) if isinstance(node, sp.Max | sp.Min)]
@@ -283,7 +286,8 @@ def _simplify_same_sign(expr: Expr) -> Expr | None:
     offset, rest = expr.as_independent(symbols.v, as_Add=True)
     factor, function = rest.as_independent(symbols.v, as_Add=False)
     base, exponent = function.as_base_exp()
-    level, known = -offset / factor, row(function)
+    level = -offset / factor
+    known = row(function)
     if factor.is_positive or factor.is_negative:
         if base == symbols.v and not exponent.has(symbols.v) and exponent.is_positive:
             # Where the level is negative the difference has one sign at all speeds, and the place is 0.

@@ -9,7 +9,7 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import write_sech
 
 
-@lru_cache(maxsize=256)  # laws with other values share it
+@lru_cache  # laws with other values share it
 def slope_of(mu: Expr) -> Expr:
     """Return the derivative of a coefficient by the slip speed; that of a quotient is one, in factors.
 

@@ -47,7 +47,8 @@ class Transition(NamedTuple):
 
 def transitions(expr: Expr, point: Mapping[Expr, Expr]) -> list[Transition]:
     """Return where a smooth piece of a coefficient may vary quickly, at values of its parameters."""
-    quick, exponents = list[Transition](), dict[Expr, fmpq_poly]()
+    quick = list[Transition]()
+    exponents = dict[Expr, fmpq_poly]()
 
     def argument(node: Expr, parts: list[_Argument | None]) -> _Argument | None:
         """Return a node as a polynomial, None where it is none; note where a function of it changes."""
@@ -67,7 +68,8 @@ def transitions(expr: Expr, point: Mapping[Expr, Expr]) -> list[Transition]:
             constant = _constant_polynomial(node, point)
             return None if constant is None else _Argument(constant)
         if node.is_Add and len(arguments) == len(parts) - 1 and not kinds:
-            moving, rest = node.args[parts.index(None)], reduce(add, (part.polynomial for part in arguments))
+            moving = node.args[parts.index(None)]
+            rest = reduce(add, (part.polynomial for part in arguments))
             factor, function = moving.as_independent(symbols.v, as_Add=False)
             weight = _constant_polynomial(factor, point)
             if function in exponents and weight and rest:

@@ -45,7 +45,8 @@ class SearchGrid(NamedTuple):
         if not use.any():
             return p[None]
         order = np.argsort(measured[use], kind="stable")
-        x, y = np.log(measured[use][order]), np.log(_SIZES[use][order])
+        x = np.log(measured[use][order])
+        y = np.log(_SIZES[use][order])
         reached = levels[(np.log(levels) >= x[0]) & (np.log(levels) <= x[-1])]
         points = np.tile(p, (len(reached), 1))
         points[:, self.moved] = np.exp(np.interp(np.log(reached), x, y))
@@ -74,7 +75,9 @@ def features_of(
     radians = np.linspace(
         _RADIANS_BETWEEN_FREQUENCIES, turns, min(int(turns / _RADIANS_BETWEEN_FREQUENCIES), 3 * _MOST_LEVELS)
     )
-    arguments, features, taken = [*free, *bound], list[SearchGrid](), set[int]()
+    arguments = [*free, *bound]
+    features = list[SearchGrid]()
+    taken = set[int]()
 
     def moving(part: Expr) -> list[int]:
         return [i for i in sought if free[i] in part.free_symbols and i not in taken]

@@ -125,7 +125,8 @@ def fit(
 
 def _fits(chosen: dict[str, FrictionLaw], measured: Measurements) -> Fits:
     """Fit laws by their names, and rank them."""
-    fits, rejected = list[Fit](), dict[str, InputError]()
+    fits = list[Fit]()
+    rejected = dict[str, InputError]()
     with steps(chosen, str) as names:
         for name in names:
             try:
@@ -166,7 +167,9 @@ def _laws_to_fit(given: str | FrictionLaw | Iterable[str | FrictionLaw] | None) 
 def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
     """Return the fit of a law's free parameters, or refuse one that these measurements do not determine."""
     problem = Problem(law, measured)
-    names, count, k = problem.names, len(measured), len(problem.names)
+    names = problem.names
+    count = len(measured)
+    k = len(problem.names)
     settled = k + measured.differences
     if k == 0:
         raise InputError("it has no parameter without a value")
@@ -178,11 +181,13 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
         raise InputError(
             "no start converged: its values run away without an end; fix one of them, or take a simpler law"
         )
-    p, chi_squared = best.p[_order(law, problem, best.p)], best.chi_squared
+    p = best.p[_order(law, problem, best.p)]
+    chi_squared = best.chi_squared
     values = dict(zip(names, p.tolist(), strict=True))
     jumps = _places_of_jumps(problem, p)
     smooth = np.array([name not in jumps for name in names])
-    derivatives, place = problem.jacobian(p)[:, smooth], np.flatnonzero(smooth)
+    derivatives = problem.jacobian(p)[:, smooth]
+    place = np.flatnonzero(smooth)
     sizes = np.linalg.norm(derivatives, axis=0)
     effective = np.isfinite(sizes) & (sizes > 0)
     if not effective.all():
@@ -234,7 +239,8 @@ def _best_minimum(problem: Problem) -> tuple[Minimum | None, list[tuple[int, Min
 
     Those of many rows are sought for means of bins.
     """
-    measured, coarse = problem.measured, problem
+    measured = problem.measured
+    coarse = problem
     if len(measured) > _ROWS_TO_BIN:
         means = measured.binned(_BINS)  # whose own scatter is no sigma
         coarse = Problem(problem.law, means if measured.sigma is not None else replace(means, sigma=None))
@@ -275,7 +281,8 @@ def _places_of_jumps(problem: Problem, p: FloatArray) -> tuple[str, ...]:
 def _rivals(fitted: Fit, rivals: list[tuple[int, Minimum]]) -> Iterator[str]:
     """Yield which other places and frequencies describe the measurements nearly as well."""
     for i, minimum in rivals:
-        name, rise = list(fitted.values)[i], (minimum.chi_squared - fitted.chi_squared) / fitted.variance
+        name = list(fitted.values)[i]
+        rise = (minimum.chi_squared - fitted.chi_squared) / fitted.variance
         if rise < _RIVAL:
             yield (
                 f"{name} = {minimum.p[i]:.4g} describes the measurements nearly as well as "
@@ -396,7 +403,9 @@ def _warnings(
     problem: Problem, p: FloatArray, covariance: FloatArray, noise: _Noise, chi_squared: float
 ) -> Iterator[str]:
     """Yield what the measurements hardly determine, and what their residuals contradict, with what to do."""
-    names, errors, measured = problem.names, np.sqrt(np.diag(covariance)), problem.measured
+    names = problem.names
+    errors = np.sqrt(np.diag(covariance))
+    measured = problem.measured
     for i, name in enumerate(names):
         if problem.positive[i] and problem.linear[i] and p[i] == 0:
             yield (
@@ -415,7 +424,9 @@ def _warnings(
                 f"{ParameterValues.of(names[j])}"
             )
     settled = len(names) + measured.differences
-    count, dof, inflation = len(measured), len(measured) - settled, noise.inflation
+    count = len(measured)
+    dof = len(measured) - settled
+    inflation = noise.inflation
     if noise.lag:
         apart = "successive rows" if noise.lag == 1 else f"rows {noise.lag} apart"
         yield (
@@ -445,7 +456,8 @@ def _warnings(
     means_of_speeds = measured.averaged()
     _, index = np.unique(measured.v, return_inverse=True)
     scatter = float(np.sum((measured.weights * (measured.means - means_of_speeds.mu[index])) ** 2))
-    repeats, shapes = count - len(means_of_speeds), len(means_of_speeds) - len(names)
+    repeats = count - len(means_of_speeds)
+    shapes = len(means_of_speeds) - len(names)
     if repeats > 0 and shapes > 0 and scatter > 0:
         ratio = (chi_squared - scatter) / shapes / (scatter / repeats)
         # Along the speed, a law that does not describe them is what correlates the residuals.

@@ -55,7 +55,8 @@ class Problem:
     """
 
     def __init__(self, law: FrictionLaw, measured: Measurements) -> None:
-        self.law, self.measured = law, measured
+        self.law = law
+        self.measured = measured
         used = {name: p for name, p in law.parameters.items() if p.symbol in law.expr.free_symbols}
         self.names = tuple(name for name in used if name not in law.values)
         known = tuple(name for name in used if name in law.values)
@@ -74,7 +75,8 @@ class Problem:
         self.positive = np.array([used[name].positive for name in self.names], dtype=bool)
         self.linear = np.array([symbol in linear for symbol in free], dtype=bool)
         self._units = [used[name].unit for name in self.names]
-        self._v, self._weights = np.maximum(measured.v, _SPEED_AT_REST), measured.weights
+        self._v = np.maximum(measured.v, _SPEED_AT_REST)
+        self._weights = measured.weights
         self._mu = measured.project_out_branches(self._weights * measured.mu)
         self.sought = np.flatnonzero(~self.linear).tolist()
         self.features = features_of(law.expr, free, bound, self.sought, measured.speeds)
@@ -89,7 +91,8 @@ class Problem:
 
     def _weighted(self, function: Callable[..., Any], p: Sequence[FloatArray] | FloatArray) -> FloatArray:
         """Return rows of a function times the weights, at one set of values or, by columns, at a grid of them."""
-        v, grids = self._v, p
+        v = self._v
+        grids = p
         if isinstance(p, list):
             shape = np.broadcast_shapes(v.shape, *map(np.shape, p))
             v = np.broadcast_to(v, shape)
@@ -190,7 +193,8 @@ class Problem:
 
     def _misfits(self, points: FloatArray) -> FloatArray:
         """Return the sum of squares at each of many values, least over the linear ones of any sign."""
-        size, misfits = max(1, _RESIDUALS_A_BATCH // len(self._v)), list[FloatArray]()
+        size = max(1, _RESIDUALS_A_BATCH // len(self._v))
+        misfits = list[FloatArray]()
         for first in range(0, len(points), size):
             columns = list(np.where(self.linear, 0.0, points[first : first + size]).T[:, :, None])
             target = self._mu - self._weighted(self._value, columns)[0]
@@ -212,7 +216,8 @@ class Problem:
                 continue
             block = len(PHASES) ** len(feature.phases)
             misfits = self._misfits(points).reshape(-1, block)
-            least, level = misfits.min(axis=1), self.measured_at(feature, best)
+            least = misfits.min(axis=1)
+            level = self.measured_at(feature, best)
             here = int(np.argmin([abs(self.measured_at(feature, node) - level) for node in points[::block]]))
             low = high = here
             while low > 0 and least[low - 1] >= least[low]:
@@ -286,7 +291,8 @@ class Problem:
     def _with_linear(self, p: FloatArray) -> FloatArray:
         """Return the values with the best of those in which mu is linear, not below 0 where they are positive."""
         p = np.where(self.linear, 0.0, p)
-        target, matrix = self.residuals(p), self.jacobian(p)[:, self.linear]
+        target = self.residuals(p)
+        matrix = self.jacobian(p)[:, self.linear]
         if not (np.isfinite(target).all() and np.isfinite(matrix).all()):
             return np.full_like(p, np.nan)
         if self.linear.any():
@@ -301,5 +307,6 @@ def _power_of_speed(unit: str | None) -> int | None:
     if unit is None:
         return None
     powers = {str(base): power for base, power in parse_unit(unit).as_powers_dict().items() if base != 1}
-    length, time = powers.pop("[m]", 0), powers.pop("[s]", 0)
+    length = powers.pop("[m]", 0)
+    time = powers.pop("[s]", 0)
     return int(length) if length == -time and int(length) == length and not powers else None

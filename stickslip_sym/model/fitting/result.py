@@ -146,7 +146,8 @@ class Fit(_Report, DataResult, by_identity=True):
 
     def extrapolation(self, V: float) -> str | None:
         """Return which part of 0 to 2 V, where thresholds take friction from, was not measured; None if none."""
-        low, high = float(self.measured.v[0]), float(self.measured.v[-1])
+        low = float(self.measured.v[0])
+        high = float(self.measured.v[-1])
         beyond = [f"above {high:.3g} m/s"] if high * (1 + 1e-9) < 2 * V else []
         beyond += [f"below {low:.3g} m/s"] if low > _NEAR_REST * V else []
         if not beyond:
@@ -203,7 +204,8 @@ class Fit(_Report, DataResult, by_identity=True):
         """
         problem = Problem(self.free_law, self.measured)
         feature = next(feature for feature in problem.features if problem.names[feature.moved] == name)
-        p, speeds = np.array(list(self.values.values())), self.measured.speeds
+        p = np.array(list(self.values.values()))
+        speeds = self.measured.speeds
         first = int(np.searchsorted(speeds, problem.measured_at(feature, p)))
         beyond = len(speeds) - first if side > 0 else first  # gaps on this side, and one without an end
         most = -2 * math.log1p(-math.sqrt(level)) * (self._quantile(level) / ndtri((1 + level) / 2)) ** 2
@@ -215,7 +217,8 @@ class Fit(_Report, DataResult, by_identity=True):
             i = first + side * gaps
             return bool(self._rise(name, value((speeds[i - 1] + speeds[i]) / 2)) <= most)
 
-        within, step = 0, 1
+        within = 0
+        step = 1
         while within + step < beyond and may_be(within + step):
             within, step = within + step, max(1, within // 8)
         if within + step >= beyond:
@@ -233,11 +236,13 @@ class Fit(_Report, DataResult, by_identity=True):
 
         bounded = self.free_law.parameters[name].positive and step < 0
         farthest = min(_SEARCHED, -(1 - 1e-9) * value / step) if bounded else _SEARCHED
-        below, above = 0.0, min(0.5, farthest)
+        below = 0.0
+        above = min(0.5, farthest)
         while risen(above) <= 0:
             if above >= farthest:
                 return 0.0 if bounded else math.copysign(math.inf, step)
-            below, above = above, min(2 * above, farthest)
+            below = above
+            above = min(2 * above, farthest)
         return float(value + step * brentq(risen, below, above, xtol=1e-6))
 
     def band(self, v: ArrayLike, level: float = 0.95) -> tuple[FloatArray, FloatArray]:
@@ -328,7 +333,9 @@ class Fits(_Report, Sequence[Fit], TableResult):
         >>> f"{averaged.value:.2f} +/- {averaged.standard_error:.3f}"
         '0.98 +/- 0.005'
         """
-        rows, refused, unknown = list[ByLaw](), dict[str, str](), 0.0
+        rows = list[ByLaw]()
+        refused = dict[str, str]()
+        unknown = 0.0
         for fit in self.likely:
             try:
                 estimate = quantity(fit.law.bind(**fit.uncertain))
@@ -377,7 +384,8 @@ class Fits(_Report, Sequence[Fit], TableResult):
 
 def _parts_of_error(estimate: Any, fit: Fit) -> tuple[float, float]:
     """Return the parts of a quantity's standard error that fitted parameters bring, and all others."""
-    whole, budget = float(estimate.uncertainty or 0.0), getattr(estimate, "budget", None)
+    whole = float(estimate.uncertainty or 0.0)
+    budget = getattr(estimate, "budget", None)
     if budget is None:
         return whole, 0.0
     share = sum(float(budget.shares[name]) for name in budget.names if name in fit.values)
@@ -387,7 +395,8 @@ def _parts_of_error(estimate: Any, fit: Fit) -> tuple[float, float]:
 
 def _aicc(fit: Fit, inflation: float) -> float:
     """Return Akaike's criterion, corrected for few rows, where so many correlated rows count as one."""
-    count, known = len(fit.measured), fit.measured.sigma is not None
+    count = len(fit.measured)
+    known = fit.measured.sigma is not None
     k = len(fit.values) + fit.measured.differences + (not known)  # an unknown sigma is one more parameter
     if count - k - 1 <= 0:
         return math.inf

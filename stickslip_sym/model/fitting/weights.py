@@ -140,7 +140,8 @@ def _shared_by_curve(weights: FloatArray, measured: Measurements, fits: Sequence
     speeds = _SPEEDS_OF_CURVE * float(measured.v[-1])
     curves = [fit.law.at_speeds(speeds) for fit in fits]
     near = _ONE_CURVE * float(np.max(np.abs(measured.mu)))
-    shared, left = weights.copy(), list(range(len(fits)))
+    shared = weights.copy()
+    left = list(range(len(fits)))
     while left:
         same = [i for i in left if np.abs(curves[i] - curves[left[0]]).max() <= near]
         together = float(weights[same].sum())

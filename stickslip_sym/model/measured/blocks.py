@@ -107,12 +107,14 @@ def refuse_contradiction(
         sweeps.append((int(number), speeds, np.bincount(index, mu[rows]) / np.bincount(index)))
     for i, (first, speeds, means) in enumerate(sweeps):
         for second, others, theirs in sweeps[i + 1 :]:
-            low, high = max(speeds[0], others[0]), min(speeds[-1], others[-1])
+            low = max(speeds[0], others[0])
+            high = min(speeds[-1], others[-1])
             shared = np.union1d(speeds, others)
             shared = shared[(shared >= low) & (shared <= high)]
             if not len(shared):
                 continue
-            ours, other = np.interp(shared, speeds, means), np.interp(shared, others, theirs)
+            ours = np.interp(shared, speeds, means)
+            other = np.interp(shared, others, theirs)
             apart = ours - other
             error = float(np.std(apart)) / np.sqrt(len(apart))
             size = float(np.mean(np.abs(ours) + np.abs(other))) / 2

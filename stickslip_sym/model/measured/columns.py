@@ -87,10 +87,12 @@ def read_unit(text: str) -> Unit | None:
     if known is not None:
         return None if known.kind in ("length", "time", "mass") else known
     if torque := _TORQUE.fullmatch(text):
-        force, arm = _UNITS.get(torque["force"]), _UNITS[torque["length"]]
+        force = _UNITS.get(torque["force"])
+        arm = _UNITS[torque["length"]]
         return Unit("torque", force.size * arm.size) if force is not None and force.kind == "force" else None
     above, _, below = map(str.strip, (text if "/" in text else _INVERSE.sub(r"/\1", text)).partition("/"))
-    length, time = _UNITS.get(above), _UNITS.get(below)
+    length = _UNITS.get(above)
+    time = _UNITS.get(below)
     if time is None or time.kind != "time":
         return None
     if above in _ANGLES:
@@ -159,7 +161,8 @@ def _name_and_unit(text: str) -> tuple[str, str]:
     if match := _BRACKETS.fullmatch(text):
         return match["name"], (match["square"] or match["round"] or "").strip()
     for split in _SPLITS.finditer(text):
-        name, unit = text[: split.start()], text[split.end() :]
+        name = text[: split.start()]
+        unit = text[split.end() :]
         if _meanings(name) and (read_unit(unit) is not None or split[0].strip() in ("in", "/", ",")):
             return name, unit.strip()
     return text, ""
@@ -264,7 +267,8 @@ def choose_columns(
         headers = [header.without("mu") for header in headers]
     if any({"mu", "F_t"} & {*header.possible} and not header.is_torque for header in headers):
         headers = [header.without("F_t") if header.is_torque else header for header in headers]
-    columns, faults = dict[str, HeaderColumn](), list[str]()
+    columns = dict[str, HeaderColumn]()
+    faults = list[str]()
     rolling = next((header for header in headers if _ROLLING.fullmatch(_BREAKS.sub("", header.name))), None)
     has_mu = any(header.meanings == ("mu",) for header in headers)
     for header in headers:
@@ -348,7 +352,8 @@ def _fault(
     written: WrittenRadius | None,
 ) -> str:
     """Return what is wrong with a column that is understood: its unit, two meanings, or another one like it."""
-    unit, possible = column.unit, column.possible
+    unit = column.unit
+    possible = column.possible
     if not possible or (column.unit_text and unit is None):
         example = _EXAMPLES[KINDS[column.meanings[0]][0]]
         return f"{_quoted(column.unit_text)} is no unit {'' if unit else 'known here '}{example}"

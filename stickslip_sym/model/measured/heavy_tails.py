@@ -50,7 +50,8 @@ def have_heavy_tails(v: FloatArray, y: FloatArray) -> bool:
 
 def _bends(v: FloatArray, y: FloatArray) -> FloatArray:
     """Return by how much each row is off the line through its neighbours, with the variance of one row."""
-    before, after = v[1:-1] - v[:-2], v[2:] - v[1:-1]
+    before = v[1:-1] - v[:-2]
+    after = v[2:] - v[1:-1]
     span = before + after
     share = np.divide(after, span, out=np.full(len(span), 0.5), where=span > 0)
     bends = y[1:-1] - share * y[:-2] - (1 - share) * y[2:]
@@ -61,7 +62,8 @@ def huber_weights(v: FloatArray, y: FloatArray) -> FloatArray:
     """Return a factor between 0 and 1 for the square of each row's residual, by a smooth curve of the speed."""
     every = slice(None, None, max(len(y) // _ROWS_FOR_CURVE, 1))
     all_columns = splines(v)
-    columns, some = all_columns[every], y[every]
+    columns = all_columns[every]
+    some = y[every]
     weights: FloatArray = np.ones(len(some))
     factors = np.zeros(columns.shape[1])
     for _ in range(_REWEIGHTINGS):
@@ -80,7 +82,8 @@ def _local_scale(residuals: FloatArray) -> FloatArray:
     """Return the robust standard deviation of the noise at each of many rows, by blocks of neighbours."""
     count = max(len(residuals) // _ROWS_OF_ONE_NOISE, 1)
     size, longer = divmod(len(residuals), count)
-    sizes, begin = np.abs(residuals), longer * (size + 1)
+    sizes = np.abs(residuals)
+    begin = longer * (size + 1)
     blocks = sizes[:begin].reshape(longer, size + 1), sizes[begin:].reshape(count - longer, size)
     medians = [_DEVIATION * np.median(rows, axis=1) for rows in blocks]
     return np.concatenate([np.repeat(medians[0], size + 1), np.repeat(medians[1], size)])

@@ -107,7 +107,9 @@ class Measurements(Drawn, TableResult):
             what is no number.
         """
         given, masked = _unmasked({"v": v, "mu": mu, "sigma": sigma})
-        v, mu, sigma = given["v"], given["mu"], given["sigma"]
+        v = given["v"]
+        mu = given["mu"]
+        sigma = given["sigma"]
         speeds, coefficients = (np.array(read_array(name, x), np.float64) for name, x in (("v", v), ("mu", mu)))
         if speeds.ndim != 1 or speeds.shape != coefficients.shape:
             raise InputError(f"v has the shape {speeds.shape} and mu {coefficients.shape}; give one mu for each v")
@@ -220,7 +222,8 @@ class Measurements(Drawn, TableResult):
             return self if self.branches is None else replace(self, mu=self.means, branches=None, tails=None)
         total = np.bincount(index, self.weights**2)
         mean = np.bincount(index, self.weights**2 * self.means) / total
-        scatter, said = 1.0, "weighted by 1/sigma^2"
+        scatter = 1.0
+        said = "weighted by 1/sigma^2"
         if self.sigma is None:
             squares = (self.weights * (self.means - mean[index])) ** 2
             scatter = float(np.sqrt(np.sum(squares) / (len(self) - len(speeds))))
@@ -477,17 +480,23 @@ def _outliers(v: FloatArray, y: FloatArray) -> BoolArray:
     tolerance = _OUTLYING * few * max(noise, _RESOLUTION * float(np.median(np.abs(y))))
     # mu is between the medians of the three rows on either side, or beyond by as much as neighbours differ; at the
     # lowest speeds it may rise or fall steeply, and only a multiple of what follows is refused.
-    lower, upper, third = np.minimum(y[:-2], y[1:-1]), np.maximum(y[:-2], y[1:-1]), y[2:]
+    lower = np.minimum(y[:-2], y[1:-1])
+    upper = np.maximum(y[:-2], y[1:-1])
+    third = y[2:]
     middle = np.maximum(lower, np.minimum(upper, third))
-    gap_below, gap_above = middle - np.minimum(lower, third), np.maximum(upper, third) - middle
+    gap_below = middle - np.minimum(lower, third)
+    gap_above = np.maximum(upper, third) - middle
     i = np.arange(len(y))
-    below, above = np.clip(i - _ROWS_BESIDE_OUTLIER, 0, None), np.clip(i + 1, None, len(y) - _ROWS_BESIDE_OUTLIER)
+    below = np.clip(i - _ROWS_BESIDE_OUTLIER, 0, None)
+    above = np.clip(i + 1, None, len(y) - _ROWS_BESIDE_OUTLIER)
     below[:_ROWS_BESIDE_OUTLIER], above[-_ROWS_BESIDE_OUTLIER:] = (
         above[:_ROWS_BESIDE_OUTLIER],
         below[-_ROWS_BESIDE_OUTLIER:],
     )  # at an end, the rows on the other side
-    low, high = np.minimum(middle[below], middle[above]), np.maximum(middle[below], middle[above])
-    least, largest = np.minimum(gap_below, gap_above), np.maximum(gap_below, gap_above)
+    low = np.minimum(middle[below], middle[above])
+    high = np.maximum(middle[below], middle[above])
+    least = np.minimum(gap_below, gap_above)
+    largest = np.maximum(gap_below, gap_above)
     change = np.where(below == above, largest[below], np.maximum(least[below], least[above]))
     slack = np.maximum(tolerance, _RISES * change)
     first = np.abs(y) > _RISES * np.abs(high) + slack
@@ -513,7 +522,8 @@ def _fold(table: Table) -> tuple[FloatArray, FloatArray, FloatArray | None, IntA
     mu = down * table.numbers(friction, load)
     rule = f"a coefficient of friction is below {_LARGEST_MU:g}"
     table.require(np.abs(mu) <= _LARGEST_MU, friction, rule, "with abs(mu) above 5")
-    v, mu = table.numbers("v"), mu[np.abs(mu) <= _LARGEST_MU]
+    v = table.numbers("v")
+    mu = mu[np.abs(mu) <= _LARGEST_MU]
     if (fast := np.abs(v) > _FASTEST).any() and not table.columns["v"].unit_text:
         row = int(np.argmax(fast))
         raise InputError(

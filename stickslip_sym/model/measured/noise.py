@@ -18,9 +18,12 @@ def correlation_of(e: FloatArray, k: int) -> tuple[float, float, int]:
     The noise is autoregressive, of the order up to four, with a partial correlation that white noise would not
     show, that leaves the fewest. By Levinson's and Durbin's recursion; 1, 0 and 0 if there is none.
     """
-    count, strongest = len(e), (1.0, 0.0, 0)
+    count = len(e)
+    strongest = (1.0, 0.0, 0)
     deviation = np.sqrt(count) / (count - 3)
-    weights, left, r = np.zeros(0), 1.0, np.zeros(0)
+    weights = np.zeros(0)
+    left = 1.0
+    r = np.zeros(0)
     for lag in range(1, min(_LAGS, count // _ROWS_OF_A_LAG) + 1):
         # The k parameters follow part of the noise, which so seems less correlated by about (k + 3 r)/n.
         r = np.append(r, (float(np.sum(e[lag:] * e[:-lag]) / np.sum(e**2)) * count + k) / (count - 3))

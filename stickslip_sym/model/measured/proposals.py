@@ -94,7 +94,8 @@ def proposed(
 
 def _numbers_of_column(rows: Sequence[Sequence[str]], i: int) -> FloatArray:
     """Return the numbers of a column; none where most cells are none."""
-    numbers, filled = list[float](), 0
+    numbers = list[float]()
+    filled = 0
     for row in rows:
         if i < len(row) and row[i]:
             filled += 1

@@ -96,13 +96,16 @@ def sweep_branches_of(
 
     `direction` is 1 or -1 where both directions were measured, and 0 for a row without one.
     """
-    sweep, rising, falling = np.zeros(len(v), dtype=np.int64), 0, 0
+    sweep = np.zeros(len(v), dtype=np.int64)
+    rising = 0
+    falling = 0
     in_turn = np.argsort(order)
     sweep[in_turn], rising, falling = _sweeps(v[in_turn])
     both = direction is not None and (direction > 0).any() and (direction < 0).any()
     if not (rising or both):
         return None
-    names, columns = list[str](), list[FloatArray]()
+    names = list[str]()
+    columns = list[FloatArray]()
     if direction is not None and both:
         names.append("offset")
         columns.append(direction.astype(np.float64))
@@ -126,7 +129,9 @@ def sweep_branches_of(
     left = beside(terms)
     y = beside(weights * mu)
     apart = np.linalg.norm(left, axis=0) > _LEAST_SHARE_OF_TERM * np.linalg.norm(terms, axis=0)
-    n, best, chosen = len(v) - curve.shape[1], math.inf, list[int]()
+    n = len(v) - curve.shape[1]
+    best = math.inf
+    chosen = list[int]()
     if not apart.any():
         return none if rising else None
     all_terms = np.flatnonzero(apart)
@@ -141,7 +146,9 @@ def sweep_branches_of(
         rest = y - left[:, tried] @ np.linalg.lstsq(left[:, tried], y, rcond=None)[0]
         score = n / alike * math.log(max(float(rest @ rest), floor)) + _COST * len(tried) * math.log(n)
         if score < best:
-            best, chosen, variance = score, tried, float(rest @ rest) / (n - len(tried))
+            best = score
+            chosen = tried
+            variance = float(rest @ rest) / (n - len(tried))
     if not chosen:
         return none if rising else None
     factors = np.linalg.lstsq(left[:, chosen], y, rcond=None)[0]
@@ -218,11 +225,15 @@ def _turns(v: FloatArray, span: float | None = None) -> list[int]:
     """
     least = _SHARE_OF_TURN * (float(np.ptp(v)) if span is None else span)
     turns = list[int]()
-    way, low, high = 0, 0, 0
+    way = 0
+    low = 0
+    high = 0
     for first in range(0, len(v), _PASSED):
         block = v[first : first + _PASSED]
-        below, above = int(np.argmin(block)), int(np.argmax(block))
-        least_speed, most_speed = float(block[below]), float(block[above])
+        below = int(np.argmin(block))
+        above = int(np.argmax(block))
+        least_speed = float(block[below])
+        most_speed = float(block[above])
         falls = way >= 0 and max(v[high], most_speed) - least_speed > least
         rises = way <= 0 and most_speed - min(v[low], least_speed) > least
         if not (falls or rises):
@@ -230,18 +241,25 @@ def _turns(v: FloatArray, span: float | None = None) -> list[int]:
             high = first + above if most_speed > v[high] else high
             continue
         speeds = v[first : first + _PASSED].tolist()
-        lowest, highest = float(v[low]), float(v[high])
+        lowest = float(v[low])
+        highest = float(v[high])
         for i, speed in enumerate(speeds, first):
             if speed < lowest:
-                low, lowest = i, speed
+                low = i
+                lowest = speed
             if speed > highest:
-                high, highest = i, speed
+                high = i
+                highest = speed
             if way >= 0 and highest - speed > least:
                 turns += [high] if way else []
-                way, low, lowest = -1, i, speed
+                way = -1
+                low = i
+                lowest = speed
             elif way <= 0 and speed - lowest > least:
                 turns += [low] if way else []
-                way, high, highest = 1, i, speed
+                way = 1
+                high = i
+                highest = speed
     middles = []
     for turn in turns:
         first = last = turn
@@ -274,7 +292,8 @@ def splines(v: FloatArray) -> "csr_array":
 
 def _branch_terms(v: FloatArray, sweep: IntArray) -> list[FloatArray]:
     """Return polynomials of the speed, where both branches reach it, and held beyond, as half of a difference."""
-    up, down = v[sweep > 0], v[sweep < 0]
+    up = v[sweep > 0]
+    down = v[sweep < 0]
     low, high = _shared_speeds(v, sweep)
     shared = [int(((speeds >= low) & (speeds <= high)).sum()) for speeds in (up, down)]
     if low >= high or min(shared) < _FEWEST_SPEEDS_OF_BRANCH:
@@ -287,7 +306,8 @@ def _branch_terms(v: FloatArray, sweep: IntArray) -> list[FloatArray]:
 
 def _shared_speeds(v: FloatArray, sweep: IntArray) -> tuple[float, float]:
     """Return the lowest and the highest speed that both kinds of branches reach."""
-    up, down = v[sweep > 0], v[sweep < 0]
+    up = v[sweep > 0]
+    down = v[sweep < 0]
     return float(max(up[0], down[0])), float(min(up[-1], down[-1]))
 
 

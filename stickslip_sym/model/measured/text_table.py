@@ -228,7 +228,9 @@ def read_table(
     if sum(len(part.layout.rows) for part in parts) > MOST_ROWS:
         raise InputError(f"{name} has over {MOST_ROWS} rows; average them to fewer")
     numbers = _blocks_to_read(parts, block, name)
-    blocks, tables, written = list[Block](), list[Table](), None
+    blocks = list[Block]()
+    tables = list[Table]()
+    written = None
     for number, part in enumerate(parts, 1):
         header, cells = split_values(
             part.layout.header,
@@ -271,7 +273,9 @@ def _plain_table(content: bytes, name: str, how: "_How") -> Table | None:
         )
     except (ValueError, InputError):
         return None
-    header, separator, rows = part.layout.header, part.layout.separator, part.layout.rows
+    header = part.layout.header
+    separator = part.layout.separator
+    rows = part.layout.rows
     cells = [(line.number, _cells(line.text, separator)) for line in rows]
     named = list(filter(None, header))
     before = lines_before(head, rows[0].number)
@@ -319,7 +323,8 @@ def _table_of(
     plain: FloatArray | None = None,
 ) -> Table:
     """Return the columns of a block that hold measurements; of `plain` rows, if there are no others."""
-    line, separator = part.layout.line, part.layout.separator
+    line = part.layout.line
+    separator = part.layout.separator
     where = name if line is None else f"{name}, line {line.number}"
     chosen = how.chosen if any(header) or how.chosen else _FIRST_TWO
     try:
@@ -374,7 +379,8 @@ def _blocks_of_file(lines: Sequence[_Line], layout: _Layout, name: str) -> list[
             i for i in range(first + 1, len(lines) - 1)
             if _is_later_header(lines[i], layout) and lines[i].number < layout.rows[-1].number
         ]  # fmt: skip
-    parts, above = list[_Part](), list(lines[:first])
+    parts = list[_Part]()
+    above = list(lines[:first])
     for begin, end in pairwise([*begins, len(lines)]):
         own = layout
         if begin != first:
@@ -524,7 +530,8 @@ def _layout_of_chosen(lines: Sequence[_Line], name: str) -> _Layout:
         return _Layout(mark, [""] * count, None, rows[first:])
     line, header = wide[-1]
     if len(wide) > 1 and _is_of_units(header, len(wide[-2][1])):
-        line, header = wide[-2][0], _join_units(wide[-2][1], header)
+        line = wide[-2][0]
+        header = _join_units(wide[-2][1], header)
     return _Layout(mark, header, line, rows[first:])
 
 
@@ -563,7 +570,8 @@ def _layout(lines: Sequence[_Line], name: str) -> _Layout:
             )
         numbers = [mark for mark in SEPARATORS if len(cells[mark]) > 1 and all(map(_is_number, cells[mark]))]
         if numbers and not line.comment:
-            mark, count = numbers[0], len(cells[numbers[0]])
+            mark = numbers[0]
+            count = len(cells[numbers[0]])
             wide = [earlier for earlier in lines[:i] if len(_names(earlier.text, mark)) == count]
             header = _names(wide[-1].text, mark) if wide else []
             above = [list(map(_is_number, _names(row.text, mark))) for row in rows[: start - 1]]
@@ -628,7 +636,9 @@ def _fill(table: Table, rows: Sequence[_Row], header: list[str], separator: str)
     for line, row in rows:
         text = separator.join(row)
         if len(row) < count or any(row[count:]):
-            column, got, reason = str(min(len(row), count)), text[:60], "of another number of columns"
+            column = str(min(len(row), count))
+            got = text[:60]
+            reason = "of another number of columns"
             rule = f"the row has {len(row)} column{'s' * (len(row) > 1)}, and the header {count}"
             rule += "; where a comma is the decimal sign, part the columns by semicolons" * (separator == ",")
             if separator == "," and len(row) > count and _THOUSANDS_IN_ROW.search(text):
@@ -644,8 +654,10 @@ def _fill(table: Table, rows: Sequence[_Row], header: list[str], separator: str)
                 for i, quantity in read.items():
                     table.cells[quantity].append(row[i].replace(sign, "."))
                 continue
-            i, reason = wrong[0], "without a number"
-            column, got = f"{i + 1}" + (f", {table.columns[read[i]].text!r}" if i in read else ""), row[i][:40]
+            i = wrong[0]
+            reason = "without a number"
+            column = f"{i + 1}" + (f", {table.columns[read[i]].text!r}" if i in read else "")
+            got = row[i][:40]
             rule = "a finite number is needed, like 0.35, without a sign between thousands"
         later = [(line, row)] if table.leave_out else [other for other in rows if other[0] >= line]
         _refuse_second_table(table, later, separator)

@@ -27,7 +27,8 @@ def split_values(
     Only columns are split in which every row has the same unit, and a standard error where one has it; cells of
     others stay as they are, and are no numbers.
     """
-    names, count = list(header), len(header)
+    names = list(header)
+    count = len(header)
     first = next((row for _, row in rows if len(row) >= count and not any(row[count:])), None)
     if first is None or not any(header):
         return names, rows

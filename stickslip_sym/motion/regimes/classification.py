@@ -94,7 +94,9 @@ def classify(
     >>> [motion.name for motion in ss.classify(ss.laws.exponential.typical(), osc, x0=[-0.1, 0.0], v0=0.0)]
     ['STICK_SLIP', 'REST']
     """
-    law, osc, rtol = as_law(law), as_oscillator(osc), read_rtol(rtol)
+    law = as_law(law)
+    osc = as_oscillator(osc)
+    rtol = read_rtol(rtol)
     x, v = read_initial_conditions(x0, osc.V if v0 is None else v0)
     fates = np.full(x.shape, None, dtype=object)
     with deadline.time_limit(time_limit):
@@ -116,7 +118,8 @@ def followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray,
     Slips are followed until each motion has come to stick, to a peak below the belt's speed, to rest, or where
     slip slower than the belt begins outside P's orbit; from there a round says where it goes.
     """
-    plane, (x, v) = kept_regime(law, osc, rtol), points
+    plane = kept_regime(law, osc, rtol)
+    (x, v) = points
     system = plane.system
     q = (x - osc.onset(law)) / osc.length
     w, side = system.slip_speed(q, v / osc.V)
@@ -129,7 +132,8 @@ def followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray,
             except StickSlipError as error:
                 fates[rows] = error
 
-    rest, near = system.turn(1.0), ADDED * rtol
+    rest = system.turn(1.0)
+    near = ADDED * rtol
     at_rest = (side > 0) & (np.abs(w - 1) <= near) & (np.abs(q - rest) <= near * max(1.0, abs(rest)))
     decide(np.flatnonzero(at_rest), lambda: plane.at_rest)
     stuck = (w == 0) & system.sticks(q) & ~at_rest
@@ -143,16 +147,15 @@ def followed(law: FrictionLaw, osc: Oscillator, rtol: float, points: FloatArray,
         decide(left[slips.end == SlipEnd.REST], lambda: plane.at_rest)
         turned = slips.end == SlipEnd.MINIMUM
         decide(left[turned], partial(plane.of_peaks, 1 - slips.w[turned]))
-        late, lost = (
-            slips.end == SlipEnd.LATE,
-            np.isin(slips.end, (SlipEnd.OUTSIDE, SlipEnd.STEPS, SlipEnd.FAILED)),
-        )
+        late = slips.end == SlipEnd.LATE
+        lost = np.isin(slips.end, (SlipEnd.OUTSIDE, SlipEnd.STEPS, SlipEnd.FAILED))
         for rows in filter(len, [np.flatnonzero(late), *np.flatnonzero(lost)[:, None]]):
             fates[left[rows]] = system.refusal(slips.one(rows[0]), rtol) or plane.beyond
         back = slips.end == SlipEnd.RETURN
         stuck = back & system.sticks(slips.q)
         decide(left[stuck], lambda: plane.from_onset)
-        left, ends = left[back & ~stuck], slips.q[back & ~stuck]
+        left = left[back & ~stuck]
+        ends = slips.q[back & ~stuck]
         again = ~np.isnan(begun[left])
         decide(left[again], partial(plane.of_rounds, ends[again]))
         begun[left], q[left], w[left], side[left] = ends, ends, 0.0, 1.0

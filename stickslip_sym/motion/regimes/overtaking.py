@@ -87,14 +87,17 @@ class Rounds(NamedTuple):
     growth: tuple[int, ...]
 
 
-@lru_cache(maxsize=64)
+@lru_cache
 def _bounded(table: FrictionTable, V: float) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the edges of intervals of w, and Bernstein coefficients of w and of mu(V w) on each, in rows."""
-    pieces, end = np.asarray(table.at(V, arrays=True).pieces), table.end / V
+    pieces = np.asarray(table.at(V, arrays=True).pieces)
+    end = table.end / V
     octaves = np.exp2(np.arange(-3.0, math.log2(max(end, 1.0))))
     edges = np.union1d(np.append(pieces[:, 0], end), octaves[octaves < end])
     rows = pieces[np.searchsorted(pieces[:, 0], edges[:-1], side="right") - 1]
-    low, width, scale = edges[:-1, None], np.diff(edges)[:, None], rows[:, 2:3]
+    low = edges[:-1, None]
+    width = np.diff(edges)[:, None]
+    scale = rows[:, 2:3]
     # In powers of t = begin + scale width s, then of s from 0 to 1.
     begin = (low - rows[:, 1:2]) * scale
     shifts = np.tril(begin[:, :, None] ** np.maximum(_POWERS[:, None] - _POWERS, 0)) * _BINOMIAL
@@ -110,12 +113,14 @@ def reaches(system: NondimensionalOscillator, eta: FloatArray, zeta: FloatArray)
     edges, w, mu = _bounded(system.table, system.V)
     damping = np.where((zeta >= 0) & (mu.min() >= 0), zeta, 0.0)
     slower = edges[:-1] < 1
-    low, high = eta * mu.min(), eta * mu[slower].max()
+    low = eta * mu.min()
+    high = eta * mu[slower].max()
     for i in np.flatnonzero(damping != zeta).tolist():
         a = eta[i] * mu + 2 * zeta[i] * w
         low[i], high[i] = a.min(), a[slower].max()
     s = eta * system.table.static
-    ahead, d_L = high - s + 2 * damping, np.hypot(s, 1) - s
+    ahead = high - s + 2 * damping
+    d_L = np.hypot(s, 1) - s
     gain = (high - low) * (ahead + np.hypot(ahead, 1) + d_L)
     gain -= np.pi * damping * np.maximum(1 + s**2 - 2 * high * d_L, s**2)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -126,15 +131,19 @@ def reach(system: NondimensionalOscillator) -> float:
     """Return a displacement beyond which no orbit is closed; infinite if a has no certain sign far out."""
     edges, w, mu = _bounded(system.table, system.V)
     a = system.eta * mu + 2 * system.zeta * w
-    low, high = a.min(axis=1), a.max(axis=1)
-    nodes, half = (1 + _GAUSS_NODES[:, None]) / 2, np.diff(edges) / 2
+    low = a.min(axis=1)
+    high = a.max(axis=1)
+    nodes = (1 + _GAUSS_NODES[:, None]) / 2
+    half = np.diff(edges) / 2
     basis = _BINOMIAL[-1] * nodes**_POWERS * (1 - nodes) ** _POWERS[::-1]
     speeds = w[:, :1] + 2 * half[:, None] * nodes.T
     J = np.append(0.0, 2 * np.cumsum(half * ((speeds * (a @ basis.T)) @ _GAUSS_WEIGHTS)))[:-1]
-    W, U = edges[:-1], edges[:-1] + 1
+    W = edges[:-1]
+    U = edges[:-1] + 1
     largest = np.maximum.accumulate(np.maximum(np.abs(low), np.abs(high)))
     M = largest[np.searchsorted(W, U + 1, side="right") - 1]
-    least, noise = math.inf, PRECISE * abs(system.eta * system.table.onset)
+    least = math.inf
+    noise = PRECISE * abs(system.eta * system.table.onset)
     for one_sign, work in ((low >= -noise, J), (high <= noise, -J)):
         certain = np.logical_and.accumulate(one_sign[::-1])[::-1] & (W >= 1) & (work > 0)
         with np.errstate(all="ignore"):
@@ -162,11 +171,13 @@ def rounds_outside(system: NondimensionalOscillator, rtol: float) -> Rounds:
     elif first == 0:
         inner, low = _rounds_that_stick(system, far, rtol)
     else:
-        inner, low = Rounds((), (1,)), _SHARE_OF_FIRST_ROUND * first
+        inner = Rounds((), (1,))
+        low = _SHARE_OF_FIRST_ROUND * first
     if low >= far:
         return inner
     outer = _rounds_between(system, low, far, rtol)
-    marks, growth = (*inner.marks, *outer.marks), (*inner.growth[:-1], *outer.growth)
+    marks = (*inner.marks, *outer.marks)
+    growth = (*inner.growth[:-1], *outer.growth)
     if far < bound:
         return Rounds((*marks, FixedPoint(far, math.inf, "open")), (*growth, 0))
     return Rounds(marks, growth)
@@ -185,8 +196,10 @@ def _rounds_that_stick(system: NondimensionalOscillator, far: float, rtol: float
     Up to there they shrink. Where static friction holds a mass, faster than the belt, up to one displacement, R
     jumps.
     """
-    inside, low = far * _NEAREST_OVER_REACH, far
-    at_inside, at_low = (_end_of_round(system, q, rtol) for q in (inside, low))
+    inside = far * _NEAREST_OVER_REACH
+    low = far
+    at_inside = _end_of_round(system, inside, rtol)
+    at_low = _end_of_round(system, low, rtol)
     if isinstance(at_low, Unknown) or isinstance(at_inside, Unknown):
         return Rounds((FixedPoint(0.0, far, "open"),), (0, 0)), far
     if at_low <= 0:
@@ -217,7 +230,8 @@ def _sink(system: NondimensionalOscillator, first: float, far: float, rtol: floa
     if not come_in.size:
         return Rounds((), (1,)), _SHARE_OF_FIRST_ROUND * float(q[0])
     last = int(come_in[-1])
-    low, beyond = float(q[last]), float(q[min(last + 1, _DISPLACEMENTS_LOOKED_AT - 1)])
+    low = float(q[last])
+    beyond = float(q[min(last + 1, _DISPLACEMENTS_LOOKED_AT - 1)])
     while beyond > low * (1 + _RELATIVE_STICK_WIDTH):
         middle = math.sqrt(low * beyond)
         R = _end_of_round(system, middle, rtol)
@@ -245,7 +259,8 @@ def _rounds_between(system: NondimensionalOscillator, low: float, far: float, rt
             errors = 2 * q * ends.errors / (R + q) ** 2
         return Column.of(grown, np.maximum(np.nan_to_num(errors), least), _LOST)
 
-    marks, least = list[FixedPoint](), ADDED * rtol
+    marks = list[FixedPoint]()
+    least = ADDED * rtol
     growths = resolve(growth, [math.log(low), math.log(far)], rtol=least, most=_MOST_ROUNDS)
     for begin, end in np.exp(joined(one[:2] for one in growths.open)).tolist():
         R = system.rounds(np.array([begin, end]), rtol, few=0).ends
@@ -261,6 +276,7 @@ def _rounds_between(system: NondimensionalOscillator, low: float, far: float, rt
             kind = "cycle"  # R never falls, and so does not jump there: it is all but constant
         marks.append(FixedPoint(math.exp(root.x), math.exp(root.x), kind))
     marks.sort()
-    begins, lasts = [low, *(mark.high for mark in marks)], [*(mark.low for mark in marks), far]
+    begins = [low, *(mark.high for mark in marks)]
+    lasts = [*(mark.low for mark in marks), far]
     between = [growths((math.log(begin) + math.log(end)) / 2) for begin, end in zip(begins, lasts, strict=True)]
     return Rounds(tuple(marks), tuple(int(np.sign(value)) * (abs(value) > least) for value in between))

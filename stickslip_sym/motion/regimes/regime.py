@@ -108,7 +108,8 @@ class Regime(Drawn, DataResult):
 
         That is beyond the tolerance, and where a tolerance ten times wider changes it by less than half of itself.
         """
-        height, wider = (first_minimum(self.system, 0.0, 0.0, rtol) for rtol in (self.rtol, 10 * self.rtol))
+        height = first_minimum(self.system, 0.0, 0.0, self.rtol)
+        wider = first_minimum(self.system, 0.0, 0.0, 10 * self.rtol)
         if abs(height) > max(self.rtol, 2 * abs(wider - height)):
             return height
         return Unknown("the slip from P grazes the belt's speed within the error of the integration")
@@ -130,7 +131,9 @@ class Regime(Drawn, DataResult):
     @cached_property
     def rest(self) -> Rest:
         """The equilibrium."""
-        law, osc, rise = self.law, self.oscillator, self.system.rise
+        law = self.law
+        osc = self.oscillator
+        rise = self.system.rise
         x = osc.N * float(law.mu(osc.V)) / osc.k
         jump = sum(
             size for level, size in zip(rise.levels, rise.jumps, strict=False) if abs(level - 1) <= ROUNDING
@@ -162,7 +165,8 @@ class Regime(Drawn, DataResult):
         """
         if self._growth_of_all:
             return (self._growth_of_all,)
-        need, damping = needed_damping(self.law, self.oscillator), 2 * self.oscillator.zeta
+        need = needed_damping(self.law, self.oscillator)
+        damping = 2 * self.oscillator.zeta
         bounds = [0.0, *(cycle.amplitude / self.oscillator.V for cycle in self.slip_cycles), 1.0]
         return tuple(int(np.sign(need.mismatch((low + high) / 2, damping))) for low, high in pairwise(bounds))
 
@@ -202,7 +206,9 @@ class Regime(Drawn, DataResult):
 
     def _overtaking(self, mark: FixedPoint) -> LimitCycle:
         """Return the limit cycle at a mark outside P's orbit."""
-        system, q, slope = self.system, mark.low, -1.0
+        system = self.system
+        q = mark.low
+        slope = -1.0
         if mark.low == mark.high:
             # By differences: where mu falls without bound at rest, as v^0.8, a wedge is lost in a step.
             beside = q * (1 + _RELATIVE_STEP * np.array([-1.0, 0.0, 1.0]))
@@ -311,7 +317,8 @@ class Regime(Drawn, DataResult):
 
     def curves(self, least: list[float]) -> tuple[Separatrix, ...]:
         """Return the separatrices whose slip speeds, over V, have certain minima: 0 where one grazes."""
-        onset, separatrices = self.oscillator.onset(self.law), []
+        onset = self.oscillator.onset(self.law)
+        separatrices = []
         back = self.system.backward
         for w in least:
             # Backward, since unstable orbits attract those beside them then.
@@ -324,7 +331,10 @@ class Regime(Drawn, DataResult):
     @cached_property
     def undecided(self) -> tuple[str, ...]:
         """What lies within the tolerance of a boundary, in words; empty as a rule."""
-        law, osc, rest, growth = self.law, self.oscillator, self.rest, self.growth
+        law = self.law
+        osc = self.oscillator
+        rest = self.rest
+        growth = self.growth
         words = []
         if isinstance(self.height, Unknown):
             words.append(str(self.height))
@@ -384,8 +394,10 @@ class Regime(Drawn, DataResult):
         if self.basins is None:
             return motions
         osc = self.oscillator
-        q, w = (x0 - osc.onset(self.law)) / osc.length, 1 - v0 / osc.V
-        around, clear = np.zeros(motions.shape, dtype=np.intp), np.ones(motions.shape, dtype=bool)
+        q = (x0 - osc.onset(self.law)) / osc.length
+        w = 1 - v0 / osc.V
+        around = np.zeros(motions.shape, dtype=np.intp)
+        clear = np.ones(motions.shape, dtype=bool)
         for separatrix in self.separatrices:
             inside = separatrix.surrounds(q, np.where(w > 0, w, -1.0), ADDED * self.rtol)
             around += inside
@@ -398,7 +410,8 @@ class Regime(Drawn, DataResult):
     @cached_property
     def periodic_curves(self) -> list[tuple[str, FloatArray, FloatArray]]:
         """The periodic motions as curves of the phase plane: a name, x in m and v in m/s for each."""
-        law, osc = self.law, self.oscillator
+        law = self.law
+        osc = self.oscillator
         cycle = self.stick_slip
         begins = [] if cycle is None else [("stick-slip", osc.onset(law), osc.V, cycle.period)]
         for orbit in self.cycles:
@@ -473,7 +486,7 @@ def regime(
     return result
 
 
-@lru_cache(maxsize=256)  # the maps, basins and classification of one operating point ask for the same motions
+@lru_cache  # the maps, basins and classification of one operating point ask for the same motions
 def kept_regime(law: FrictionLaw, osc: Oscillator, rtol: float) -> Regime:
     """Return the regime of an oscillator, with what is known of it already."""
     return Regime(law, osc, rtol)

@@ -26,7 +26,8 @@ def interpolated(back: NondimensionalOscillator, slip: Slip[float], rtol: float)
     nodes = (1 + chebyshev.chebpts2(_STEP_DEGREE + 1)) / 2
     tau = np.array([step.tau + step.length * nodes for step in steps]).ravel()
     q, w = back.states(steps, np.repeat(np.arange(len(steps)), nodes.size), tau, 1.0, rtol)
-    powers, number = np.vander(nodes), np.arange(len(steps) + 1.0)
+    powers = np.vander(nodes)
+    number = np.arange(len(steps) + 1.0)
     q, w = (np.linalg.solve(powers, values.reshape(-1, nodes.size).T) for values in (-q, w))
     return PPoly(q, number), PPoly(w, number)
 
@@ -64,18 +65,22 @@ class Separatrix(DataResult):
         levels, row = np.unique(w, return_inverse=True)
         row = row.reshape(w.shape)
         heights = self.w(self.w.x)
-        top, last = int(np.argmax(heights)), heights.size - 1
+        top = int(np.argmax(heights))
+        last = heights.size - 1
         inside = np.zeros(np.broadcast_shapes(q.shape, w.shape), dtype=bool)
         near = inside.copy()
         for begin, end in ((0, top), (top, last)):  # from one minimum of w to the next it rises, then falls
             low, high = np.sort(heights[[begin, end]])
             passed = np.flatnonzero((low <= levels) & (levels < high))
-            before, after = np.full(passed.size, float(begin)), np.full(passed.size, float(end))
+            before = np.full(passed.size, float(begin))
+            after = np.full(passed.size, float(end))
             width = float(end - begin)
             while width > np.spacing(1.0):  # then a place on a step is known to rounding
-                width, middle = width / 2, (before + after) / 2
+                width /= 2
+                middle = (before + after) / 2
                 beyond = (self.w(middle) >= levels[passed]) == (heights[end] > heights[begin])
-                before, after = np.where(beyond, before, middle), np.where(beyond, middle, after)
+                before = np.where(beyond, before, middle)
+                after = np.where(beyond, middle, after)
             crossing = np.full(levels.size, np.inf)
             crossing[passed] = self.q((before + after) / 2)
             off = crossing[row] - q
@@ -96,7 +101,8 @@ class Separatrix(DataResult):
         cuts += [self.w.solve(side, extrapolate=False) for side in w]
         ends = np.unique(np.concatenate([self.w.x, *cuts]))
         ends = ends[np.isfinite(ends)]
-        middle, half = (ends[1:] + ends[:-1]) / 2, np.diff(ends) / 2
+        middle = (ends[1:] + ends[:-1]) / 2
+        half = np.diff(ends) / 2
         nodes, weights = np.polynomial.legendre.leggauss(_STEP_DEGREE)  # exact for the product q w' of polynomials
         places = middle[:, None] + half[:, None] * nodes
         integrand = np.clip(self.q(places), *q) * self.w.derivative()(places)

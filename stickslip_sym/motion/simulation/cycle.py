@@ -89,7 +89,8 @@ def stick_slip_cycle(
     >>> print(ss.stick_slip_cycle(ss.laws.exponential.typical(), osc))
     stick-slip of period 0.651445 s, of which stick 0.120047 s
     """
-    law, rtol = as_law(law), read_rtol(rtol)
+    law = as_law(law)
+    rtol = read_rtol(rtol)
     with deadline.time_limit(time_limit):
         system = NondimensionalOscillator.of(law.bound, osc)
         slip = system.slip(0.0, 0.0, passes=1, until=SlipEnd.MINIMUM, level=1.0, rtol=rtol)

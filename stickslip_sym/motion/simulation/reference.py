@@ -33,7 +33,8 @@ def slip_by_solve_ivp(
     `options` are those of ``solve_ivp``, in place of a tight choice. Returns SciPy's result, with `sol` for times
     between; `t_events[0]` holds the return, if there is one.
     """
-    mu, mu_0 = law.function("math"), law.onset
+    mu = law.function("math")
+    mu_0 = law.onset
 
     def rates(_: float, y: FloatArray) -> tuple[float, float]:
         if time_left() < 0:
@@ -64,7 +65,9 @@ def simulate_by_solve_ivp(
     bound = law.bound
     hold = bound.static * osc.N
     x_P = (hold - osc.c * osc.V) / osc.k
-    t, x, v = 0.0, x0, v0
+    t = 0.0
+    x = x0
+    v = v0
     stretches = list[Stretch]()
     while t < t_end:
         pull = osc.c * osc.V + osc.k * x

@@ -113,7 +113,8 @@ def simulate(
     >>> motion.motion.value, len(motion.starts_of(ss.Phase.STICK))
     ('stick-slip', 8)
     """
-    law, osc = as_law(law), as_oscillator(osc)
+    law = as_law(law)
+    osc = as_oscillator(osc)
     t_end = _PERIODS_FOLLOWED * 2 * math.pi / osc.omega if t_end is None else real("t_end", t_end)
     if t_end <= 0:
         raise InputError(f"t_end = {t_end:g} must be positive")
@@ -142,20 +143,29 @@ def _one(
     law: FrictionLaw, osc: Oscillator, x0: float, v0: float, t_end: float, rtol: float, max_steps: int
 ) -> Trajectory:
     """Return the motion from one initial condition; its samples hold the extremes of x and of v."""
-    system, x_P, horizon = NondimensionalOscillator.of(law.bound, osc), osc.onset(law), t_end * osc.omega
-    stretches, known = list[Stretch](), dict[float, Slip[float]]()
-    outcome, note = Outcome.FINISHED, ""
-    tau, steps, q, u = 0.0, 0, (x0 - x_P) / osc.length, v0 / osc.V
+    system = NondimensionalOscillator.of(law.bound, osc)
+    x_P = osc.onset(law)
+    horizon = t_end * osc.omega
+    stretches = list[Stretch]()
+    known = dict[float, Slip[float]]()
+    outcome = Outcome.FINISHED
+    note = ""
+    tau = 0.0
+    steps = 0
+    q = (x0 - x_P) / osc.length
+    u = v0 / osc.V
     while tau < horizon:
         w, side = map(float, system.slip_speed(q, u))
         if w == 0 and q < 0 and system.sticks(q):
             since = np.array([0.0, min(horizon - tau, -q)])
             samples = np.array([(tau + since) / osc.omega, x_P + osc.length * (q + since), np.full(2, osc.V)])
             stretches.append(Stretch(Phase.STICK, samples))
-            tau, q = min(horizon, tau - q), float(q + since[1])
+            tau = min(horizon, tau - q)
+            q = float(q + since[1])
             continue
         # Nothing depends on time itself: a slip from where one began before is that one again, in one step.
-        slip, taken = known.get(q) if w == 0 else None, 1
+        slip = known.get(q) if w == 0 else None
+        taken = 1
         if slip is None or deadline.is_late() or tau + slip.tau > horizon or steps >= max_steps:
             slip = system.slip(
                 q, w, side, level=1.0, horizon=horizon - tau, rtol=rtol, most=max_steps - steps, recorded=True
@@ -173,12 +183,17 @@ def _one(
         phase = Phase.SLIP_BACK if side > 0 else Phase.SLIP_FORWARD
         course = partial(_course, system, osc, x_P, rtol, slip, tau, side) if slip.steps else None
         stretches.append(Stretch(phase, samples, course))
-        tau, q, w, u, steps = tau + slip.tau, slip.q, slip.w, 1.0, steps + taken
+        tau += slip.tau
+        q = slip.q
+        w = slip.w
+        u = 1.0
+        steps += taken
         if slip.end is not SlipEnd.RETURN:
             outcome, note = _outcome_of(system, slip, rtol)
             break
     if outcome is Outcome.AT_REST:
-        end, x_rest = stretches[-1].end, _position_at_rest(system, osc, x_P, w, stretches[-1].samples[1, -1])
+        end = stretches[-1].end
+        x_rest = _position_at_rest(system, osc, x_P, w, stretches[-1].samples[1, -1])
         stretches.append(Stretch(stretches[-1].phase, np.array([[end, t_end], [x_rest, x_rest], [0.0, 0.0]])))
     return Trajectory(osc, rtol, tuple(stretches), outcome, note)
 
@@ -223,9 +238,12 @@ class _Ends:
     """
 
     def __init__(self, law: FrictionLaw, osc: Oscillator, x0: FloatArray, v0: FloatArray, t_end: float) -> None:
-        self.law, self.osc, self.t_end = law, osc, t_end
+        self.law = law
+        self.osc = osc
+        self.t_end = t_end
         self.system = NondimensionalOscillator.of(law.bound, osc)
-        self.x_P, self.horizon = osc.onset(law), t_end * osc.omega
+        self.x_P = osc.onset(law)
+        self.horizon = t_end * osc.omega
         self.q, u = (x0.ravel() - self.x_P) / osc.length, v0.ravel() / osc.V
         self.w, self.side = self.system.slip_speed(self.q, u)
         self.lowest, self.highest = np.array([self.q, u]), np.array([self.q, u])
@@ -266,11 +284,13 @@ class _Ends:
 
     def convert_to_SI(self) -> IntArray:
         """Take SI units from here on, as `t`, `x` and `v`, and return which motions go on from P."""
-        osc, is_over = self.osc, self.tau >= self.horizon
+        osc = self.osc
+        is_over = self.tau >= self.horizon
         at_P = np.flatnonzero((self.w == 0) & (self.q == 0) & ~is_over)
         self.t = np.where(is_over, self.t_end, self.tau / osc.omega)
         self.first_stick = self.first_stick / osc.omega
-        self.x, self.v = self.x_P + osc.length * self.q, osc.V * (1 - self.side * self.w)
+        self.x = self.x_P + osc.length * self.q
+        self.v = osc.V * (1 - self.side * self.w)
         for extremes in (self.lowest, self.highest):
             extremes[:] = self.x_P + osc.length * extremes[0], osc.V * extremes[1]
         for i in np.flatnonzero(self.outcome == Outcome.AT_REST).tolist():
@@ -297,7 +317,8 @@ class _Ends:
         self.t[rows] += since
         self.x[rows], self.v[rows], self.phase[rows] = course.at(since)
         sample = np.searchsorted(course.t, since, side="right") - 1
-        ends, samples = np.array([self.x[rows], self.v[rows]]), np.array([course.x, course.v])
+        ends = np.array([self.x[rows], self.v[rows]])
+        samples = np.array([course.x, course.v])
         for extremes, reach in ((self.lowest, np.minimum), (self.highest, np.maximum)):
             extremes[:, rows] = reach.reduce(
                 [extremes[:, rows], reach.accumulate(samples, axis=1)[:, sample], ends]
@@ -315,7 +336,8 @@ def _many(
     at_P = ends.convert_to_SI()
     if at_P.size:
         ends.continue_from_P(at_P, rtol, max_steps)
-    (x_min, v_min), (x_max, v_max) = ends.lowest, ends.highest
+    (x_min, v_min) = ends.lowest
+    (x_max, v_max) = ends.highest
     columns: Any = (
         ends.t, ends.x, ends.v, ends.phase, ends.outcome, x_min, x_max, v_min, v_max, ends.phases - 1, ends.sticks,
         ends.first_stick,
@@ -325,7 +347,8 @@ def _many(
 
 def read_initial_conditions(x0: ArrayLike, v0: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Return initial displacements and velocities as arrays of one shape."""
-    places, speeds = read_array("x0", x0), read_array("v0", v0)
+    places = read_array("x0", x0)
+    speeds = read_array("v0", v0)
     try:
         places, speeds = np.broadcast_arrays(places, speeds)
     except ValueError:

@@ -221,7 +221,8 @@ class Trajectory(Shown, TableResult, by_identity=True):
         last = np.flatnonzero(signs[:-1] != signs[1:])[-4:]
         turns = list[tuple[float, float]]()
         for before, after in zip(moving[last].tolist(), moving[last + 1].tolist(), strict=True):
-            t, x = float(self.t[before + 1]), float(self.x[before + 1])
+            t = float(self.t[before + 1])
+            x = float(self.x[before + 1])
             if after == before + 1:
                 t = brentq(lambda t: float(self.at(t).v), self.t[before], self.t[after])
                 x = float(self.at(t).x)
@@ -272,7 +273,8 @@ class Trajectory(Shown, TableResult, by_identity=True):
             For a time that is no number, or before the start, or after the end of what was computed.
         """
         times = read_array("t", t, finite=False)
-        first, last = float(self.t[0]), float(self.t[-1])
+        first = float(self.t[0])
+        last = float(self.t[-1])
         slack = SAME * (last - first)
         wrong = ~((times >= first - slack) & (times <= last + slack))
         if wrong.any():
@@ -283,7 +285,9 @@ class Trajectory(Shown, TableResult, by_identity=True):
             )
         times = np.clip(times, first, last)
         index = np.searchsorted([stretch.end for stretch in self.stretches], times)
-        x, v, phase = np.empty(times.shape), np.empty(times.shape), np.empty(times.shape, dtype=object)
+        x = np.empty(times.shape)
+        v = np.empty(times.shape)
+        phase = np.empty(times.shape, dtype=object)
         for i in np.unique(index):
             chosen = index == i
             x[chosen], v[chosen] = self.stretches[i].course(times[chosen])

@@ -36,7 +36,7 @@ class _Shape:
     law: FrictionLaw = field(compare=False)
 
 
-@lru_cache(maxsize=128)
+@lru_cache
 def _fast_function(shape: _Shape, criterion: Criterion) -> "SlopeAverage":
     from stickslip_sym.formula.slope_average import slope_average
 
@@ -79,10 +79,13 @@ def resolved_gauss_average(
 
 def average_changes(criterion: Criterion, points: OperatingPoints) -> dict[str, FloatArray]:
     """Differentiate the damping by an average of the slope; m and k do nothing to it."""
-    law, N, V = points.law, points.N, points.V
+    law = points.law
+    N = points.N
+    V = points.V
 
     def changed(name: str) -> FloatArray:
-        partial, table = law.partial(name).kinetic, law.kinetic.table
+        partial = law.partial(name).kinetic
+        table = law.kinetic.table
         smooth = not (table.kinks or table.narrow.size)
         own = None if smooth else partial.table_up_to(2 * float(V.max()))
         by_slopes = resolved_gauss_average(partial, criterion, V, own, table if smooth else None)

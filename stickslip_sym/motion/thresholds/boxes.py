@@ -70,7 +70,8 @@ class ExactPoint:
 
     def segments(self, c: Rational) -> list["Segment"]:
         """Return the smooth segments of the field, ascending, at the working precision."""
-        law, impedance = self.law.bound, sp.sqrt(self.k * self.m)
+        law = self.law.bound
+        impedance = sp.sqrt(self.k * self.m)
         static = self.at_rest if law.static_expr is None else law.static_expr
         segments = []
         for (start, formula), end in zip(law.segments, [*law.exact_kinks, law.end], strict=True):
@@ -161,9 +162,11 @@ def _polydisc(segment: Segment, q: arb, w: arb) -> tuple[arb, float, float]:
         push = segment.push(disc, True)
         if not push.is_finite():
             continue
-        most_q, most_w = (1 - disc).abs_upper(), (push + acb(q)).abs_upper()
+        most_q = (1 - disc).abs_upper()
+        most_w = (push + acb(q)).abs_upper()
         # The radius of q that is used up when that of w is.
-        speed, way = float(most_w), radius_w * float(most_q)
+        speed = float(most_w)
+        way = radius_w * float(most_q)
         radius_q = 2 * way / (math.hypot(speed, 2 * math.sqrt(way)) + speed)
         rho = arb((arb(radius_q) / most_q).min(arb(radius_w) / (most_w + arb(radius_q))).lower())
         if rho < best[0]:
@@ -180,7 +183,8 @@ def _taylor_polynomials(segment: Segment, q: arb, w: arb, terms: int, start: boo
     What the first k of them leave over in the equations is linear in the next k, up to order 2k.
     """
     zero = arb(0)
-    all_q, all_w = [q, 1 - w], [w, zero if start else segment.rate(q, w)]
+    all_q = [q, 1 - w]
+    all_w = [w, zero if start else segment.rate(q, w)]
     while (known := len(all_q)) < terms:
         upto = min(2 * known, terms)
         ctx.cap = upto
@@ -318,7 +322,8 @@ class ValidatedIntegrator:
                 self._cross(step, time, side)
             else:
                 self._require_inside(step, time)
-                self.q, self.w = q, w
+                self.q = q
+                self.w = w
                 self.reached = self.reached.max(arb(w.lower()))
             return None
         raise self._too_wide()
@@ -333,7 +338,8 @@ class ValidatedIntegrator:
 
     def _side(self, w: arb) -> int | None:
         """Return -1, 0 or 1 for below, in and above the segment; None where that is not certain."""
-        low, high = self.segment.low, self.segment.high
+        low = self.segment.low
+        high = self.segment.high
         if self.number and not w > low:
             return -1 if w < low else None
         if high is not None and not w < high:
@@ -342,18 +348,22 @@ class ValidatedIntegrator:
 
     def _require_inside(self, step: Flow, until: arb) -> None:
         """Show that w stays in the segment, and above 0, up to a time, halving what is too wide to tell."""
-        low, high = self.segment.low, self.segment.high
+        low = self.segment.low
+        high = self.segment.high
         waiting = [(arb(0), until, 0)]
         while waiting:
             start, stop, depth = waiting.pop()
             span = start.union(stop)
             q, w = step.at(span)
             rate = self.segment.rate(q, w)
-            (q_start, w_start), (_, w_stop) = step.at(start), step.at(stop)
+            (q_start, w_start) = step.at(start)
+            (_, w_stop) = step.at(stop)
             if rate > 0:
-                lowest, highest = w_start, w_stop
+                lowest = w_start
+                highest = w_stop
             elif rate < 0:
-                lowest, highest = w_stop, w_start
+                lowest = w_stop
+                highest = w_start
             else:  # nearly level: the value at the end and the rate tell more than the polynomial
                 lowest = highest = w.intersection(w_stop + rate * (span - stop))
             above = rate > 0 or lowest > low or (not self.number and w < 1 and q_start >= 0)
@@ -375,7 +385,8 @@ class ValidatedIntegrator:
         """Return two times close together: where a function of the box was certainly below 0, and where above."""
         times = [arb(0), end]
         for side, sign in enumerate((-1, 1)):
-            sure, unsure = times[side], times[1 - side]
+            sure = times[side]
+            unsure = times[1 - side]
             for _ in range(self.bits):
                 middle = arb(((sure + unsure) / 2).mid())
                 sure, unsure = (middle, unsure) if event(*step.at(middle)) * sign > 0 else (sure, middle)
@@ -414,7 +425,8 @@ class ValidatedIntegrator:
         q, w = step.at(start.union(stop))
         before = self.segment.rate(q, w)
         self.number += side
-        self.q, self.w = q, level
+        self.q = q
+        self.w = level
         if not (before * side > 0 and self.segment.rate(q, level) * side > 0):
             raise Undecided(
                 f"at the kink at {level.str(6)} V the slip does not certainly go on: it touches or slides"

@@ -91,8 +91,12 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     bound = law.bound
     system = NondimensionalOscillator.of(bound, osc)
     zeta, error = orbit_damping_ratio(system)
-    rise, eta, V, push = system.rise, system.eta, osc.V, system.push(1)
-    damped, wedge = replace(system, zeta=zeta + error), system.difference._replace(linear=-2.0)
+    rise = system.rise
+    eta = system.eta
+    V = osc.V
+    push = system.push(1)
+    damped = replace(system, zeta=zeta + error)
+    wedge = system.difference._replace(linear=-2.0)
     highest = damped.slip(0.0, 0.0, until=SlipEnd.MAXIMUM).w
     near = [i for i, w in enumerate(rise.levels[:-1]) if rise.jumps[i] and abs(w - highest) <= _SAME_SPEED * w]
     parted = bool(near) and abs(velocity_mismatch_at(replace(system, zeta=zeta), 1.0, rtol=TIGHT).value) > PARTED
@@ -104,7 +108,8 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
             return top.wedge / (1.0 - top.w) - source.shifts[near[0]]
         return velocity_mismatch_at(replace(system, zeta=zeta), 1.0, rtol=TIGHT, wedge=source).slope
 
-    unit, slope = 2 * osc.impedance, derivative(wedge)
+    unit = 2 * osc.impedance
+    slope = derivative(wedge)
     if not slope < 0.0:  # no number, or 0 where a half creeps to rest
         raise NotConverged(
             f"how the threshold changes is not known at eta = {eta:g} and V = {V:g} m/s: friction is so strong "
@@ -126,10 +131,8 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
             "its changes are lost in rounding; try an average of the slope"
         )
     for name, parameter in law.parameters.items():
-        symbol, partial = (
-            parameter.symbol,
-            law.partial(name).bound.table_up_to(_TABULATED_OVER_HIGHEST * highest * V),
-        )
+        symbol = parameter.symbol
+        partial = law.partial(name).bound.table_up_to(_TABULATED_OVER_HIGHEST * highest * V)
         onset = bound.number(rate(law.static_expr, symbol)) - partial.onset
         moves = [(bound.number(place), bound.number(rate(place, symbol)) / V) for place in places(law.expr)]
         shifts = [

@@ -141,7 +141,8 @@ class Method:
 
 
 def _not_smooth(name: str, reason: str) -> InputError:
-    named, other = Argument("method", name), Argument("method", "simulation")
+    named = Argument("method", name)
+    other = Argument("method", "simulation")
     return InputError(named, f" needs a law that is smooth: {reason}; try ", other)
 
 
@@ -219,7 +220,8 @@ def good_enough(
         reference = evaluate(some, None, _REFERENCE)[0] if shared is None else shared.at(points, far)
         away = np.abs(computed.value[far] - reference.value)
         off = some.relative(away, reference.value) + reference.relative_error
-        error, base = computed.relative_error.copy(), points.error_base(computed.value)
+        error = computed.relative_error.copy()
+        base = points.error_base(computed.value)
         error[far], base[far] = np.where(np.isnan(off), np.inf, off), some.error_base(reference.value)
         return replace(computed, relative_error=error), names, error * base
     return computed, names, np.full(len(points), np.inf)
@@ -238,7 +240,8 @@ def evaluate(
     if method is not None:
         computed = method.compute(points, min(max(rtol, method.tightest), method.loosest))
         return computed, np.full(len(points), method.name, dtype=object)
-    value, error = np.full(len(points), np.nan), np.full(len(points), np.inf)
+    value = np.full(len(points), np.nan)
+    error = np.full(len(points), np.inf)
     names = np.full(len(points), "", dtype=object)  # texts of one width would cut longer ones
     refusals: dict[int, StickSlipError] = {}
     theorems: dict[int, Theorem] = {}
@@ -288,7 +291,8 @@ def accuracy(error: float | None, form: str = ".0e") -> str:
 
 def _best_value(points: OperatingPoints, computed: Computed, row: int) -> str:
     """Return the best value of a point, for a message that it is not good enough."""
-    value, error = computed.value[row], computed.relative_error[row]
+    value = computed.value[row]
+    error = computed.relative_error[row]
     if not error < 1:
         return "; no value was found" if np.isfinite(error) else ""
     off = error * float(points.rows([row]).error_base(computed.value[[row]])[0])
@@ -332,7 +336,9 @@ def _damping_by_expansion(points: OperatingPoints, rtol: float) -> Computed:
     in which slopes may cancel.
     """
     del rtol  # the value is what it is
-    weak, strength, N = points.weak, points.strength, points.N
+    weak = points.weak
+    strength = points.strength
+    N = points.N
     everything, unsure, _ = points.averaged
     with np.errstate(all="ignore"):  # for strong friction the expansion is no number, or a huge one
         value = N * (weak.harmonic + strength**2 * weak.second)
@@ -352,7 +358,10 @@ def _damping_by_expansion(points: OperatingPoints, rtol: float) -> Computed:
 
 def _expansion_changes(points: OperatingPoints) -> dict[str, FloatArray]:
     """Differentiate c = N (h + N^2/(k m) s), h and s averages of slopes and of their products."""
-    law, weak, N, weight = points.law, points.weak, points.N, points.strength**2
+    law = points.law
+    weak = points.weak
+    N = points.N
+    weight = points.strength**2
     by_inertia = -N * weight * weak.second
 
     def changed(name: str) -> FloatArray:
@@ -396,7 +405,8 @@ def _damping_by_orbit(points: OperatingPoints, rtol: float) -> Computed:
 
 def _orbit_changes(points: OperatingPoints) -> dict[str, FloatArray]:
     """Differentiate the equations of collocation; the mismatch of both halves where they do not give the orbit."""
-    law, N = points.law, points.N
+    law = points.law
+    N = points.N
     partials = [law.partial(name).bound for name in ("V", *law.parameters)]
     orbit = orbits(points.bound, points.V, points.strength, added=[points.bound, *partials])
     by_N, by_V, *others = orbit.changes.T
@@ -446,10 +456,8 @@ def _damping_by_proof(points: OperatingPoints, rtol: float) -> Computed:
 
     def proved(row: int) -> tuple[float, float]:
         c, error = grazing_damping(points.bound, points.oscillator(row), rtol=_REFERENCE)
-        scale, off = (
-            float(points.slope_scale[row]),
-            float(points.rows([row]).relative(np.array([error]), np.array([c]))[0]),
-        )
+        scale = float(points.slope_scale[row])
+        off = float(points.rows([row]).relative(np.array([error]), np.array([c]))[0])
         theorems[row] = prove_threshold(ExactPoint(points.law, **points.exact_row(row)), c, off, rtol, scale)
         enclosure = theorems[row].enclosure
         base = max(abs(enclosure.mid), Fraction(VANISHING * scale))

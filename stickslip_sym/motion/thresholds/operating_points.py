@@ -61,7 +61,9 @@ class OperatingPoints:
                 raise InputError(f"the {symbols.QUANTITIES[name].meaning} is missing: give ", Argument(name))
         if ("m" in numbers) != ("k" in numbers):
             raise InputError("give both the mass m and the stiffness k, or neither")
-        arrays, uncertain, exactly = {}, {}, {}
+        arrays = {}
+        uncertain = {}
+        exactly = {}
         for name, given in numbers.items():
             value, error = split(given, name)
             if isinstance(value, str):

@@ -165,7 +165,8 @@ def prove_threshold(point: ExactPoint, guess: float, error: float, rtol: float, 
             undamped = transit(point, Fraction(0), BITS_OF_SIGNS)
     if undamped is not None and not undamped.returns:
         raise NoThreshold("the slip returns at some damping, but not without any: the lemma does not hold here")
-    below, above = search.decided[enclosure.low], search.decided[enclosure.high]
+    below = search.decided[enclosure.low]
+    above = search.decided[enclosure.high]
     return Theorem(point.law, point.values, enclosure.low, enclosure.high, below, above, undamped, hypotheses)
 
 
@@ -180,7 +181,8 @@ class Search:
     """
 
     def __init__(self, decision: Callable[[Fraction, int], Transit], label: str) -> None:
-        self.decision, self.label = decision, label
+        self.decision = decision
+        self.label = label
         self.decided: dict[Fraction, Transit] = {}
         self.bits = list(_BITS_BEYOND_DISTANCE)
 
@@ -190,8 +192,11 @@ class Search:
         - `value, error`: where to look, and its relative error as far as known.
         - `scale`: size of what cancels in a value close to 0; distances are relative to a small part of it then.
         """
-        center, close, least = Fraction(value), Fraction(rtol), Fraction(VANISHING * scale)
-        base, size = max(abs(center), least), max(abs(center), Fraction(scale))
+        center = Fraction(value)
+        close = Fraction(rtol)
+        least = Fraction(VANISHING * scale)
+        base = max(abs(center), least)
+        size = max(abs(center), Fraction(scale))
         half = close * base * Fraction(2, 5)
         width = max(half, base * Fraction(min(max(2 * error, 1e-15), _FIRST_BRACKET)))
         for side in (-1, 1):  # the slip returns below the threshold
@@ -209,9 +214,11 @@ class Search:
             if high - low <= close * max(abs(low), least):
                 return Enclosure(low, high)
             # By the secant where it converges, else by halves.
-            middle, radius = self._secant(), max(half, _CURVED * (high - low) ** 2 / size)
+            middle = self._secant()
+            radius = max(half, _CURVED * (high - low) ** 2 / size)
             if middle is None or not low < middle < high or radius > (high - low) / 4:
-                middle, radius = (low + high) / 2, Fraction(0)
+                middle = (low + high) / 2
+                radius = Fraction(0)
             grain = radius or (high - low) / 8
             for x in sorted({_rounded(middle + side * radius, grain) for side in (-1, 1)}):
                 if low < x < high and not self._returns(x, grain / size):

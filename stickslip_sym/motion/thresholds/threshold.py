@@ -110,7 +110,8 @@ class Threshold(Report, QuantityResult, TableResult, Generic[Value]):
 
     def _gradient(self, points: OperatingPoints) -> dict[str, FloatArray]:
         """Return dc/dname at points that stand for its own, each by the method that gave the threshold there."""
-        names, method = (*points.columns, *points.law.parameters), np.ravel(self.method)
+        names = (*points.columns, *points.law.parameters)
+        method = np.ravel(self.method)
         columns: dict[str, FloatArray] = {name: np.empty(len(points)) for name in names}
         with deadline.time_limit(self.time_limit):
             deadline.check_time()
@@ -325,7 +326,8 @@ def threshold_at(
     shared: Reference | None = None,
 ) -> Threshold[Any]:
     """Return thresholds as `pure_slip_damping` does; `shared` is what several methods share at the same points."""
-    law, chosen = points.law, find_method(method)
+    law = points.law
+    chosen = find_method(method)
     law.require_values()
     if chosen is None and not points.has_oscillator:
         chosen = find_method("equilibrium" if is_straight(law) else "harmonic")

@@ -143,7 +143,8 @@ def second_order_ratio(
         up, down = (np.array([slope(side * _OUTER_NODE * axis) for axis in L.T]) for side in (1, -1))
     except NO_RESULT as error:
         return np.full(len(points), np.nan), str(error)
-    h, t = (up - down) / (2 * _OUTER_NODE), (up + down - 2 * a) / _OUTER_NODE**2
+    h = (up - down) / (2 * _OUTER_NODE)
+    t = (up + down - 2 * a) / _OUTER_NODE**2
     first = (a**2).sum(axis=0)
     second = np.maximum(first + (h**2).sum(axis=(0, 1)) / 2 + (a * t).sum(axis=(0, 1)), 0.0)
     with np.errstate(all="ignore"):

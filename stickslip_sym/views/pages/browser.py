@@ -56,7 +56,8 @@ def _as_pdf(page: str) -> bytes:
     """Return a page as PDF."""
     browser = require_browser()
     with TemporaryDirectory() as folder:
-        source, printed = Path(folder, "page.html"), Path(folder, "page.pdf")
+        source = Path(folder, "page.html")
+        printed = Path(folder, "page.pdf")
         source.write_text(page, encoding="utf-8")
         profile = f"--user-data-dir={Path(folder, 'profile')}"
         command = [browser, *_OPTIONS, profile, f"--print-to-pdf={printed}", source.as_uri()]

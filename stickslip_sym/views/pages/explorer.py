@@ -185,7 +185,8 @@ def _points(measured: Measurements | None) -> list[list[float]]:
     """Return measured slip speeds and coefficients, evenly thinned where they are very many."""
     if measured is None:
         return [[], []]
-    v, mu = np.asarray(measured.v, np.float64), np.asarray(measured.mu, np.float64)
+    v = np.asarray(measured.v, np.float64)
+    mu = np.asarray(measured.mu, np.float64)
     every = -(-len(v) // _MOST_POINTS)
     return [v[::every].tolist(), mu[::every].tolist()]
 

@@ -69,7 +69,8 @@ def number(value: float | None, form: str = ".6g") -> Markup:
     """Return a number as an element ``data``, whose attribute has all its digits; without one the word none."""
     if value is None or not math.isfinite(value):
         return element("span", "none" if value is None or math.isnan(value) else "∞")
-    text, exact = format(float(value), form), repr(float(value))
+    text = format(float(value), form)
+    exact = repr(float(value))
     if power := _POWER.fullmatch(text):
         exponent = element("sup", f"{power[2]}{power[3]}".replace("-", "−").removeprefix("+"))
         return element("data", f"{power[1]}·10".replace("-", "−"), exponent, value=exact)

@@ -69,7 +69,10 @@ def print_page_of_study(study: Study, path: Path) -> None:
 
 def remarks(study: Study) -> dict[str, str]:
     """Return what the caption of a figure says of what is not in every one of them."""
-    said, regions, motion, motions = dict[str, str](), study.plane, study.motion, study.regime
+    said = dict[str, str]()
+    regions = study.plane
+    motion = study.motion
+    motions = study.regime
     if regions is not None and np.nanmax(np.abs(regions["exact"] - regions["equilibrium"]), initial=0.0) > 0:
         said["plane"] = (
             "Hatched: between the threshold and the stability of the equilibrium (dashed) the initial "
@@ -122,7 +125,9 @@ def pictures(study: Study) -> Iterator[tuple[str, str]]:
 
 
 def _law(ax: Any, study: Study, law: FrictionLaw) -> None:
-    V, fit, measured = study.oscillator.V, study.fit, study.measured
+    V = study.oscillator.V
+    fit = study.fit
+    measured = study.measured
     top = max(2.2 * V, 0.0 if measured is None else float(measured.v[-1]))
     top = top if law.v_max is None else min(top, float(law.v_max))
     span: Look = {"facecolor": "0.93", "edgecolor": "0.8", "linewidth": 0.6, "zorder": 0}
