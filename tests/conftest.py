@@ -7,9 +7,10 @@ import random
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import pytest
-from bytecode import share_bytecode
 from hypothesis import HealthCheck, settings
-from sweeps import outside_samples
+
+from support.shared_bytecode import share_bytecode
+from support.sweeps import outside_samples
 
 # The package is imported where it is used: the first process of a run only shares out tests.
 
@@ -102,7 +103,7 @@ def law(request):
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     """Run the command in this process, in an empty folder; return its exit code and what it printed."""
-    import commands
+    from support import commands
 
     monkeypatch.chdir(tmp_path)
 
@@ -115,11 +116,11 @@ def run(tmp_path, monkeypatch):
 
 @pytest.fixture(scope="session")
 def of_each_kind():
-    """One of every result by its name, made once in each process; `results.untouched` gives them as they were."""
-    import results
+    """One of every result by name, made once in a process; `sample_results.untouched` gives them as they were."""
+    from support import sample_results
 
-    made = results.one_of_each()
-    results.untouched("law")
+    made = sample_results.one_of_each()
+    sample_results.untouched("law")
     return made
 
 

@@ -12,12 +12,11 @@ from pathlib import Path
 
 import sympy as sp
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
-
-import accuracy
-from forms import WITHOUT, form_of
+sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import stickslip_sym as ss
+from support import accuracy
+from support.closed_forms import WITHOUT, form_of
 
 SECONDS = 40.0  # of references for one law, criterion and regime
 

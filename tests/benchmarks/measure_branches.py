@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from flint import arb
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
+sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import stickslip_sym as ss
 from stickslip_sym.core.precision import refined, working_precision

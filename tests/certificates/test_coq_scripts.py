@@ -6,19 +6,19 @@ import shutil
 import subprocess
 from pathlib import Path
 
-import commands
 import mpmath
 import pytest
 import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
-from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.certificates.coq.harmonic import Pole, slope_over_angle
 from stickslip_sym.certificates.coq.tactics import LIBRARY
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.symbols import V, v
+from support import commands
+from support.sweeps import sample, sweep
 
 needs_coq = pytest.mark.skipif(shutil.which("coqc") is None, reason="no coqc here")
 LONGEST = 600  # seconds that a script may take on a machine with much else to do
@@ -69,7 +69,7 @@ def proves(script, folder):
 
 @sample(2)
 @needs_coq
-@sweep(("law", "criterion"), [*SHORT, (KINKED, "least_squares")], 0, 2)
+@sweep(("law", "criterion"), [*SHORT, (KINKED, "least_squares")], SHORT[0], SHORT[2])
 def test_coq_accepts_a_closed_form(law, criterion, tmp_path):
     printed = proves(script_of(law, criterion), tmp_path)
     if law == "exponential":

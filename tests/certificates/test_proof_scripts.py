@@ -6,10 +6,10 @@ import subprocess
 import sys
 
 import pytest
-from commands import inside
-from sweeps import sample, sweep
 
 import stickslip_sym as ss
+from support.commands import inside
+from support.sweeps import sample, sweep
 
 AT = {"V": "0.5", "N": "9.81", "m": 1, "k": 100}
 LAWS = {

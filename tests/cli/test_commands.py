@@ -6,13 +6,13 @@ import shlex
 import click
 import mpmath
 import pytest
-from commands import read_json
-from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.cli.program import COMMANDS, program
 from stickslip_sym.output.content import content as content_of
 from stickslip_sym.views.pages.browser import find_browser
+from support.commands import read_json
+from support.sweeps import sweep
 
 EXPONENTIAL = ss.laws.exponential.typical()
 AT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}

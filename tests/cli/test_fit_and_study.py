@@ -4,10 +4,10 @@ import re
 
 import numpy as np
 import pytest
-from commands import read_json
-from pages import check_well_formed
 
 import stickslip_sym as ss
+from support.commands import read_json
+from support.web_pages import check_well_formed
 
 pytest.importorskip("matplotlib")
 

@@ -4,7 +4,8 @@ import re
 import shlex
 
 import pytest
-from commands import read_json
+
+from support.commands import read_json
 
 POINTS = "v [m/s],mu\n0,0.5\n0.1,0.4\n0.3,0.3\n1.2,0.25\n"
 FORMULA = "a - b*v + d*v^2"

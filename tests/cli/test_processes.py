@@ -9,13 +9,13 @@ from pathlib import Path
 
 import pytest
 from click.shell_completion import get_completion_class
-from commands import shell, started
 from rich.progress import Progress
-from systems import needs_posix_shell
 
 from stickslip_sym.cli.output import show_progress
 from stickslip_sym.cli.program import program
 from stickslip_sym.core.progress import steps
+from support.commands import shell, started
+from support.platforms import needs_posix_shell
 
 
 @pytest.mark.parametrize("name", ["derive", "study"])

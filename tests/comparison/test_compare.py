@@ -5,10 +5,10 @@ import pickle
 import random
 
 import pytest
-from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.comparison.crosscheck import differences, scatter
+from support.sweeps import sweep
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 

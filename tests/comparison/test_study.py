@@ -7,8 +7,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from pages import XHTML, check_well_formed, look_at
-from sweeps import sample
 
 import stickslip_sym as ss
 from stickslip_sym.model.measured.measurements import Measurements
@@ -17,6 +15,8 @@ from stickslip_sym.motion.thresholds import methods
 from stickslip_sym.motion.thresholds.methods import evaluate
 from stickslip_sym.motion.thresholds.threshold import Threshold
 from stickslip_sym.views.pages import browser, study_page
+from support.sweeps import sample
+from support.web_pages import XHTML, check_well_formed, look_at
 
 OSC = ss.Oscillator(m=1, k=100, c=2, V=0.5, N=9.81)
 PARTS = ["headline", "verdict", "thresholds", "law", "sensitivities", "margins", "formulas", "assumed", "versions"]

@@ -10,10 +10,10 @@ from dataclasses import replace
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from strategies import laws, operating_points
 
 import stickslip_sym as ss
 from stickslip_sym.core import deadline
+from support.strategies import laws, operating_points
 
 LAW = ss.laws.exponential.typical()
 OSC = ss.Oscillator(m=1, k=100, c=2.3, V=0.5, N=9.81)

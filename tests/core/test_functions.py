@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import sympy as sp
 from flint import acb, arb, arb_series
-from sweeps import sample
 
 import stickslip_sym as ss
 from stickslip_sym.core import balls, functions
@@ -18,6 +17,7 @@ from stickslip_sym.core.special import Langevin, Removable
 from stickslip_sym.model.at_rest import stable_difference
 from stickslip_sym.model.lipschitz import lipschitz_evidence
 from stickslip_sym.output import printing
+from support.sweeps import sample
 
 x = sp.Symbol("x", positive=True)
 POINT = sp.Rational(37, 29)

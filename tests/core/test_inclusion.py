@@ -11,13 +11,13 @@ import random
 import mpmath
 import sympy as sp
 from flint import acb, arb, arb_series
-from random_formulas import KNOWN
-from sweeps import sweep
 
 from stickslip_sym.core import balls
 from stickslip_sym.core.functions import FUNCTIONS, fold
 from stickslip_sym.core.precision import ball_of_mpmath, middle_in_mpmath, mp, working_precision
 from stickslip_sym.core.special import Ein, Langevin, Lerch, NumberPower
+from support.random_formulas import KNOWN
+from support.sweeps import sweep
 
 x = sp.Symbol("x")
 R = sp.Rational

@@ -6,7 +6,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from commands import read_json
 from hypothesis import given
 from hypothesis import strategies as st
 from uncertainties import ufloat
@@ -14,6 +13,7 @@ from uncertainties import ufloat
 import stickslip_sym as ss
 from stickslip_sym.core.numbers import fraction, real
 from stickslip_sym.core.uncertain import split
+from support.commands import read_json
 
 UNITS = {
     "V": {

@@ -6,10 +6,10 @@ from functools import partial
 import numpy as np
 import pytest
 import sympy as sp
-from languages import PROGRAMS, runs, values_of
-from sweeps import sample, sweep
 
 import stickslip_sym as ss
+from support.exported_code import PROGRAMS, runs, values_of
+from support.sweeps import sample, sweep
 
 s = ss.symbols.s
 R = sp.Rational

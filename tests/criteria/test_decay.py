@@ -5,10 +5,10 @@ import random
 import mpmath
 import numpy as np
 import pytest
-from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym import quadrature
+from support.sweeps import sample, sweep
 
 RNG = random.Random(4010)
 

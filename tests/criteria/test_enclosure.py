@@ -8,12 +8,12 @@ import pytest
 import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
-from strategies import nested
-from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.criteria import enclosure
 from stickslip_sym.criteria.enclosure import Enclosure, rounded_outward
+from support.strategies import nested
+from support.sweeps import sample, sweep
 
 s = ss.symbols.s
 CRITERIA = [

@@ -4,12 +4,12 @@ import dataclasses
 
 import numpy as np
 import pytest
-from narrow_laws import SHAPES, narrow_law
-from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.criteria.criterion import equilibrium, harmonic, least_squares
 from stickslip_sym.criteria.rule import gauss_average
+from support.narrow_laws import SHAPES, narrow_law
+from support.sweeps import sample, sweep
 
 
 def off(law, criterion, V, **options):
@@ -32,7 +32,7 @@ def test_narrow_laws_within_the_stated_error(shape):
     assert error <= 1e-8 / V
 
 
-@sweep("shape", sorted(SHAPES.keys() - set(ENCLOSED)), 0)
+@sweep("shape", sorted(SHAPES.keys() - set(ENCLOSED)), "logarithmic bump")
 def test_narrow_functions_of_log_v_by_quadrature(shape):
     """Of high powers of v, whose exact coefficients have thousands of digits."""
     law, V, _ = narrow_law(shape, 3)
@@ -71,7 +71,7 @@ def test_four_ways_to_an_average_agree_over_24_decades(name, criterion):
         assert abs(float(ss.quadrature.damping(law, criterion, V=V, N=1, digits=17)) - enclosed) <= 4e-16 * size
 
 
-@sweep("criterion", [least_squares, harmonic], 1)
+@sweep("criterion", [least_squares, harmonic], harmonic)
 def test_far_out_the_slope_counts_and_not_the_rounding_of_mu(criterion):
     """There an average is 1/V or less of mu/V: differences of values of mu would know no digit of it."""
     for name in ("exponential", "rational", "arctangent", "bengisu_akay"):

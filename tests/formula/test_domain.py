@@ -4,13 +4,13 @@ import random
 
 import pytest
 import sympy as sp
-from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core import symbols
 from stickslip_sym.criteria.criterion import find
 from stickslip_sym.formula.average import Continued, average_of_profile
 from stickslip_sym.formula.proof.recurrence import definition
+from support.sweeps import sample, sweep
 
 RNG = random.Random(4009)
 LAWS = {

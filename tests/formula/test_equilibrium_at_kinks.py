@@ -6,10 +6,10 @@ import re
 import mpmath
 import pytest
 import sympy as sp
-from languages import runs, values_of
-from sweeps import sample, sweep
 
 import stickslip_sym as ss
+from support.exported_code import runs, values_of
+from support.sweeps import sample, sweep
 
 V, N = 0.49, 3.0  # this speed times its rounded inverse is not 1
 PIECES = ("a*v", "a*v^2", "a*exp(-b*v)", "a*tanh(b*v)", "a/(1 + b*v)", "a*sqrt(v)", "a/(b + 1 - v)")

@@ -1,9 +1,9 @@
 """Families of laws that have closed forms: each is found by a rule, proved or checked, and has the right value."""
 
 import pytest
-from sweeps import sample, sweep
 
 import stickslip_sym as ss
+from support.sweeps import sample, sweep
 
 PROVED = {
     "(1 - exp(-v/v_w))/v": {"v_w": "0.3"},

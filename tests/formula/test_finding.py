@@ -6,7 +6,6 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core.lambdify import function_of
@@ -16,6 +15,7 @@ from stickslip_sym.formula.finding.antiderivatives import antiderivative
 from stickslip_sym.formula.finding.harmonic_rules import harmonic_average
 from stickslip_sym.formula.proof import recurrence
 from stickslip_sym.formula.proof.recurrence import AverageSeries, prove_average
+from support.sweeps import sample, sweep
 
 u, V, s, HARMONIC = ss.symbols.v, ss.symbols.V, ss.symbols.s, ss.criteria.harmonic
 p, q = sp.symbols("p q", positive=True)

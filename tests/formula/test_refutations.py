@@ -6,7 +6,6 @@ import re
 import mpmath
 import pytest
 import sympy as sp
-from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
@@ -19,6 +18,7 @@ from stickslip_sym.criteria.enclosure import average_enclosure
 from stickslip_sym.formula.exact import formula_ball, to_digits
 from stickslip_sym.formula.proof import gate
 from stickslip_sym.formula.proof.proving import prove_equal
+from support.sweeps import sweep
 
 W = sp.Symbol("w", positive=True)
 

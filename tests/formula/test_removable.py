@@ -2,11 +2,11 @@
 
 import mpmath
 import pytest
-from accuracy import MOST_UNITS
-from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core.symbols import v as ss_v
+from support.accuracy import MOST_UNITS
+from support.sweeps import sweep
 
 EPS = 2.0**-52
 SPEEDS = ("1e-9", "1e-5", "0.3", "5", "1e3", "1e9")

@@ -6,11 +6,11 @@ import pickle
 
 import numpy as np
 import pytest
-from sweeps import sample
 
 import stickslip_sym as ss
 from stickslip_sym.model import at_rest, bound
 from stickslip_sym.model.table import FrictionTable
+from support.sweeps import sample
 
 
 def hardened():

@@ -4,12 +4,12 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from forms import FORMS, LAWS, WITHOUT, form_of
-from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
 from stickslip_sym.model.expression.dimensions import multiply_by_units, parse_unit
+from support.closed_forms import FORMS, LAWS, WITHOUT, form_of
+from support.sweeps import sample, sweep
 
 SPEEDS = np.array([1e-3, 0.03, 0.2, 0.5, 1.0, 3.0])
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from strategies import formulas, laws
 
 import stickslip_sym as ss
 from stickslip_sym.model.law_content import law_in, law_out, text_of_law
+from support.strategies import formulas, laws
 
 SPEEDS = np.array([1e-13, 1e-9, 1e-3, 0.05, 0.3, 1.0, 2.7])
 

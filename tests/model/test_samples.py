@@ -9,12 +9,12 @@ import pytest
 import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
-from sweeps import sweep
-from systems import FOLDER_OPENED
 
 import stickslip_sym as ss
 from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.model.samples import MOST
+from support.platforms import FOLDER_OPENED
+from support.sweeps import sweep
 
 SPEEDS = ["0", "0.05", "0.1", "0.2", "0.4", "0.7", "1.2"]
 COEFFICIENTS = ["0.5", "0.44", "0.4", "0.34", "0.29", "0.27", "0.28"]

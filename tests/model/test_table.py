@@ -10,9 +10,6 @@ import sympy as sp
 from flint import acb, arb
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
-from narrow_laws import SHAPES, narrow_law
-from strategies import laws
-from sweeps import sample
 
 import stickslip_sym as ss
 from stickslip_sym.core import balls, symbols
@@ -21,6 +18,9 @@ from stickslip_sym.model.expression.transitions import transitions
 from stickslip_sym.model.table import FARTHEST
 from stickslip_sym.motion.kernel.forces import slope_at
 from stickslip_sym.motion.kernel.slip_data import Branch
+from support.narrow_laws import SHAPES, narrow_law
+from support.strategies import laws
+from support.sweeps import sample
 
 SLOWEST, FASTEST = 1e-9, 1e6  # belt speeds in m/s
 OFF = 1e-13  # of the rise

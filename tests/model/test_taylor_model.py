@@ -6,13 +6,13 @@ import sympy as sp
 from flint import acb, arb
 from hypothesis import given
 from hypothesis import strategies as st
-from sweeps import sample
 
 import stickslip_sym as ss
 from stickslip_sym.core import symbols
 from stickslip_sym.core.balls import ball_function
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.model.taylor_model import balls_from_rest, taylor_model
+from support.sweeps import sample
 
 BITS = 200
 REMOVABLE = {

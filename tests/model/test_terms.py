@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import mpmath
 import sympy as sp
-from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.model.terms import shapes_of
+from support.sweeps import sweep
 
 LAWS = {name: ss.laws.catalogue[name] for name in ss.laws.catalogue} | {
     text: ss.FrictionLaw(text)

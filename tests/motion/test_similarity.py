@@ -5,9 +5,9 @@ from functools import partial
 
 import numpy as np
 import pytest
-from sweeps import sweep
 
 import stickslip_sym as ss
+from support.sweeps import sweep
 
 TERMS = [
     "0.1*tanh((v - {b})/{w})", "0.1*exp(-((v - {b})/{w})^2)", "1/(1 + (v/{a})^2)", "0.05*exp(-v/{w})",

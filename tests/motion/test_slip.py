@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from motions import points
-from strategies import laws, operating_points
 
 import stickslip_sym as ss
 from stickslip_sym.motion.kernel.slip_data import SlipEnd
 from stickslip_sym.motion.orbits.needed import search_damping_ratios
 from stickslip_sym.motion.slip import NondimensionalOscillator
+from support.reference_motions import points
+from support.strategies import laws, operating_points
 
 
 def systems(count, seed):

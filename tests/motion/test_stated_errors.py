@@ -4,8 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from operating_points import paper_oscillator
-from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym import Motion, Phase
@@ -14,6 +12,8 @@ from stickslip_sym.motion.orbits.orbit import orbits
 from stickslip_sym.motion.regimes.regime import Regime
 from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
+from support.operating_points import paper_oscillator
+from support.sweeps import sweep
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 

@@ -10,9 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import started
-from operating_points import paper_oscillator
-from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
@@ -20,6 +17,9 @@ from stickslip_sym.core import deadline
 from stickslip_sym.motion import slip
 from stickslip_sym.motion.maps.cells import Reason
 from stickslip_sym.motion.orbits import needed
+from support.commands import started
+from support.operating_points import paper_oscillator
+from support.sweeps import sweep
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 STIFF = [

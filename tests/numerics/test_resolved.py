@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from sweeps import sweep
 
 from stickslip_sym.numerics.known import Column, Unknown
 from stickslip_sym.numerics.resolved import NO_VALUE, resolve
 from stickslip_sym.numerics.subdivide import WORK
+from support.sweeps import sweep
 
 RTOL, MOST, NOISE = 1e-12, 4000, 1e-15
 LOST = Unknown("lost")

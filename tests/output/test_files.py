@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from operating_points import paper_oscillator
-from systems import needs_links, needs_long_names, needs_modes
 
 import stickslip_sym as ss
 from stickslip_sym.output import files
 from stickslip_sym.views import drawing
+from support.operating_points import paper_oscillator
+from support.platforms import needs_links, needs_long_names, needs_modes
 
 
 def test_a_null_byte_in_a_name_is_refused(tmp_path):

@@ -4,19 +4,19 @@ import re
 from pathlib import Path
 from string import ascii_letters
 
-import latex_reader
 import matplotlib
 import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from forms import agrees, form_of
-from sweeps import sample
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
 from stickslip_sym.output import layout, printing
 from stickslip_sym.output.notation import latex_name, notation_of
+from support import latex_reader
+from support.closed_forms import agrees, form_of
+from support.sweeps import sample
 
 V, N, v = symbols.V, symbols.N, symbols.v
 a, b, mu_s, mu_m, alpha = (sp.Symbol(name, positive=True) for name in ("a", "b", "mu_s", "mu_m", "alpha"))

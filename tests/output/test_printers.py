@@ -9,14 +9,10 @@ import os
 import random
 import re
 
-import latex_reader
 import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from languages import PROGRAMS, runs, values_of
-from random_formulas import NOTATION, SEVERAL, Draws
-from text_reader import read_text
 
 import stickslip_sym as ss
 from stickslip_sym.formula.code import writer
@@ -24,6 +20,10 @@ from stickslip_sym.formula.code.languages import LANGUAGES as WRITTEN
 from stickslip_sym.output import abbreviation, latex_printer, layout, printing, text_printer
 from stickslip_sym.output.notation import notation_of
 from stickslip_sym.views import markup
+from support import latex_reader
+from support.exported_code import PROGRAMS, runs, values_of
+from support.random_formulas import NOTATION, SEVERAL, Draws
+from support.text_reader import read_text
 
 COUNT = int(os.environ.get("STICKSLIP_PRINTED", "100"))
 BATCH = 100  # formulas; one run of the compiler and of Octave for each

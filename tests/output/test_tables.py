@@ -6,10 +6,10 @@ import re
 import mpmath
 import pytest
 import sympy as sp
-from sweeps import sample
-from text_reader import read_text
 
 from stickslip_sym.output import abbreviation, printing, tables
+from support.sweeps import sample
+from support.text_reader import read_text
 
 WORDS = ["mu_s", "v**2/v_s**2", "exp(-v/v_c)", "1e-6", "(mu_s", "mu_m)", "friction,", "sticks", "-0.25", "="]
 NAMES = ("V", "N", "g_1", "mu_s", "q", "w")

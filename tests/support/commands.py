@@ -8,9 +8,9 @@ import subprocess
 import sys
 
 import pytest
-from systems import WINDOWS
 
 from stickslip_sym.cli import program
+from support.platforms import WINDOWS
 
 _RUN = "from stickslip_sym.cli.start import main; main()"
 

@@ -3,10 +3,10 @@
 import warnings
 from random import Random
 
-from forms import LAWS
 from hypothesis import strategies as st
 
 import stickslip_sym as ss
+from support.closed_forms import LAWS
 
 _SMOOTH = ("exp(-{0})", "1/(1 + {0})", "log(1 + {0})", "tanh({0})", "atan({0})", "asinh({0})", "sech({0})",
            "exp(-({0})^2)", "sqrt(1 + {0})", "1/(1 + ({0})^2)")  # fmt: skip

@@ -5,15 +5,16 @@ from hypothesis import settings
 
 
 def sweep(names, cases, *always, **options):
-    """Parametrize a test over cases, of which all but those named last, or at those places, are `thorough`."""
+    """Parametrize a test over cases, of which all but those named last are `thorough`."""
     cases = list(cases)
-    kept = [case if case in cases else cases[case] for case in always]
-    thorough = pytest.mark.thorough
-    rows = [case if isinstance(case, tuple) else (case,) for case in cases]
-    marked = [
-        pytest.param(*row, marks=[thorough] * (case not in kept)) for row, case in zip(rows, cases, strict=True)
-    ]
-    return pytest.mark.parametrize(names, marked, **options)
+    unknown = [case for case in always if case not in cases]
+    if unknown:
+        raise ValueError(f"always to be run, but not among the cases: {unknown}")
+    rows = []
+    for case in cases:
+        arguments = case if isinstance(case, tuple) else (case,)
+        rows.append(pytest.param(*arguments, marks=() if case in always else pytest.mark.thorough))
+    return pytest.mark.parametrize(names, rows, **options)
 
 
 def sample(count):

@@ -3,7 +3,8 @@
 import ast
 
 import mpmath
-from random_formulas import KNOWN
+
+from support.random_formulas import KNOWN
 
 FUNCTIONS = {function.__name__: value for function, value in KNOWN.items()} | {
     "sqrt": mpmath.sqrt, "Max": max, "Min": min, "hyper": mpmath.hyper,

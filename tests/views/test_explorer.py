@@ -9,12 +9,12 @@ from html import unescape
 
 import numpy as np
 import pytest
-from pages import require_browser, sent_by
-from sweeps import sample, sweep
 from uncertainties import ufloat
 
 import stickslip_sym as ss
 from stickslip_sym.views.pages.explorer import explorer
+from support.sweeps import sample, sweep
+from support.web_pages import require_browser, sent_by
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1, "k": 100}
 _MOVED = """<script>

@@ -25,11 +25,11 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from systems import WINDOWS
 
 import stickslip_sym as ss
 from stickslip_sym.core import deadline, progress
 from stickslip_sym.motion.orbits import damping, needed
+from support.platforms import WINDOWS
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 OSC = ss.Oscillator(**POINT, c=2.3)

@@ -12,13 +12,13 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.model.taylor_model import taylor_model
 from stickslip_sym.motion.slip import NondimensionalOscillator
+from support.operating_points import paper_oscillator
 
 PACKAGE = Path(ss.__file__).parent
 LAW = ss.laws.exponential.typical()

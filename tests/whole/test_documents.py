@@ -12,11 +12,11 @@ import tomllib
 from collections import Counter
 from pathlib import Path
 
-import notebooks
 import pytest
-from commands import inside
 
 import stickslip_sym as ss
+from support import notebooks
+from support.commands import inside
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = Path(ss.__file__).parent

@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy as sp
-from commands import inside
 
 import stickslip_sym as ss
 from stickslip_sym.formula.code.languages import LANGUAGES
 from stickslip_sym.motion.thresholds import methods
+from support.commands import inside
 
 LAW = ss.laws.exponential.typical()
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}

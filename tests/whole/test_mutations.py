@@ -15,7 +15,6 @@ from types import SimpleNamespace
 
 import pytest
 import sympy as sp
-from sweeps import sample, sweep
 
 from derivations import paper
 from paper_checks import check_figures, check_numbers, computed, proved
@@ -24,6 +23,7 @@ from paper_checks.printed import PRINTED, acceleration, displacement, kinetic, r
 from paper_checks.test_claims import CHECKS
 from stickslip_sym.core.symbols import N, V, a, b, c, k, m, mu, u
 from stickslip_sym.criteria.enclosure import Enclosure
+from support.sweeps import sample, sweep
 
 OVER_SPEEDS = ("F6", "F7")
 """Claims that take a proof at each of a hundred belt speeds, which is done elsewhere."""

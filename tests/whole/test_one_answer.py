@@ -13,15 +13,15 @@ from random import Random
 
 import numpy as np
 import pytest
-from commands import inside, read_json
-from languages import values_of
-from one_question import DAMPINGS, NoAnswer, asked, drawn
-from pages import browse, require_browser
-from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
 from stickslip_sym.views.pages.explorer import explorer
+from support.commands import inside, read_json
+from support.exported_code import values_of
+from support.random_questions import DAMPINGS, NoAnswer, asked, drawn
+from support.sweeps import sample, sweep
+from support.web_pages import browse, require_browser
 
 ERRORS = 10.0  # of a threshold, or of a critical value, on either side of which the fate of the slip is asked
 RESOLVED = 1e-11, 1e-12  # of a threshold and of sqrt(k m): what its error is taken for at least

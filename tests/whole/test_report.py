@@ -12,7 +12,6 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 import sympy as sp
-from pages import XHTML, check_well_formed, look_at
 from rich.console import Console
 
 from paper_checks import wording
@@ -28,6 +27,7 @@ from stickslip_sym.comparison.compare import Row
 from stickslip_sym.views.drawing import svg_uri
 from stickslip_sym.views.markup import element, marked_prose
 from stickslip_sym.views.pages.render import versions
+from support.web_pages import XHTML, check_well_formed, look_at
 
 ROOT = Path(__file__).parents[2]
 CHECKED = ("E3", "N1")  # cheap ones; the report tells of the others that they were not checked

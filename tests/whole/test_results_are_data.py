@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from results import untouched
 
 import stickslip_sym as ss
 from stickslip_sym.formula.average import Average
@@ -17,6 +16,7 @@ from stickslip_sym.motion import slip
 from stickslip_sym.motion.maps import basins
 from stickslip_sym.motion.orbits import needed, orbit
 from stickslip_sym.motion.thresholds import methods
+from support.sample_results import untouched
 
 LAW = ss.laws.exponential.typical()
 OSC = ss.Oscillator(m=1, k=100, c=2.3, V=0.5, N=9.81)

@@ -9,19 +9,19 @@ from contextlib import redirect_stdout
 from io import StringIO
 from itertools import pairwise, product
 
-import accuracy
 import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from accuracy import MOST_UNITS, MOST_UNITS_BY_BALLS, MOST_UNITS_OF_THE_PAPER, by_definition
-from forms import FORMS, NO_HARMONIC, NO_LEAST_SQUARES, form_of
-from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from derivations import paper
 from stickslip_sym.formula.evaluation.branch_builder import branches_of
 from stickslip_sym.formula.slope_average import SlopeAverage
+from support import accuracy
+from support.accuracy import MOST_UNITS, MOST_UNITS_BY_BALLS, MOST_UNITS_OF_THE_PAPER, by_definition
+from support.closed_forms import FORMS, NO_HARMONIC, NO_LEAST_SQUARES, form_of
+from support.sweeps import sample, sweep
 
 PAPER = ("exponential", "polynomial")
 BOTH = ("least_squares", "harmonic")
@@ -81,7 +81,7 @@ def test_the_exponential_law_where_its_branches_meet():
 @sweep(
     ("name", "scale", "power", "criterion"),
     [(*law, criterion) for law in (("exponential", "alpha", -1), ("polynomial", "v_m", 1)) for criterion in BOTH],
-    1, 2,
+    ("exponential", "alpha", -1, "harmonic"), ("polynomial", "v_m", 1, "least_squares"),
 )  # fmt: skip
 @mpmath.workdps(30)
 def test_over_six_hundred_decades(name, scale, power, criterion):

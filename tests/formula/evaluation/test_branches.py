@@ -6,16 +6,16 @@ A branch that was compared at a speed between its ends once was 8 % off at anoth
 from dataclasses import replace
 from itertools import pairwise
 
-import accuracy
 import mpmath
 import numpy as np
 import pytest
-from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.formula.evaluation.branches import Branches, Sum
 from stickslip_sym.formula.evaluation.term_function import TermFunction
 from stickslip_sym.numerics.known import Unknown
+from support import accuracy
+from support.sweeps import sample, sweep
 
 DIGITS = 40
 VANISHING = [
@@ -104,7 +104,7 @@ CLOSE_TO_REST = [
 
 
 @sample(1)
-@sweep(("text", "criterion"), CLOSE_TO_REST, 0, 3)
+@sweep(("text", "criterion"), CLOSE_TO_REST, CLOSE_TO_REST[0], CLOSE_TO_REST[3])
 def test_what_vanishes_at_rest_has_all_its_digits_there(text, criterion):
     """Relative to the value itself, down to V over the scale of 1e-20; exported code is the call."""
     average = ss.slope_average(text, criterion)
@@ -150,7 +150,7 @@ REMOVABLE = [
 
 
 @sample(2)
-@sweep(("text", "values"), REMOVABLE, 0, 1, 3, 4)
+@sweep(("text", "values"), REMOVABLE, *REMOVABLE[:2], *REMOVABLE[3:])
 def test_where_parameters_meet_a_form_has_the_value_of_its_definition(text, values):
     """Alone, to many digits, and beside an element that is nothing special."""
     form = ss.derive(text)

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from languages import values_of
-from sweeps import fewer, sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.criteria.enclosure import Enclosure
 from stickslip_sym.model.terms import terms_of
+from support.exported_code import values_of
+from support.sweeps import fewer, sample, sweep
 
 EPS = np.finfo(float).eps
 FINITE_TOGETHER = {

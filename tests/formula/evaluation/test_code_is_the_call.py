@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy as sp
-from languages import PROGRAMS, runs, values_of
-from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.formula.evaluation.branches import PanelTable
 from stickslip_sym.formula.evaluation.term_function import TermFunction
+from support.exported_code import PROGRAMS, runs, values_of
+from support.sweeps import sample, sweep
 
 LAWS = {
     "1/(1 + exp((v - v_0)/w))": {"v_0": 0.1, "w": 0.02},

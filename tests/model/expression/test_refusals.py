@@ -10,9 +10,9 @@ import pytest
 import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
-from sweeps import sweep
 
 import stickslip_sym as ss
+from support.sweeps import sweep
 
 a, b, v = sp.symbols("a b v")
 SEED = 20160428

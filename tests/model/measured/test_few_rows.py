@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import binomtest
-from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.comparison.decision import Decision, unmeasured_part
 from stickslip_sym.model.fitting.averaged import Averaged, ByLaw
+from support.sweeps import sweep
 
 LAWS = ["linear", "exponential", "gaussian", "hyperbolic", "tanh", "lorentzian"]
 FIVE = [0.05, 0.288, 0.525, 0.762, 1.0], [0.3137, 0.2132, 0.1745, 0.1595, 0.1537]

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.model.measured.heavy_tails import have_heavy_tails
 from stickslip_sym.model.measured.measurements import Measurements
+from support.sweeps import sweep
 
 TRUE = {"mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0}
 

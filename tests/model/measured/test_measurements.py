@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sweeps import sweep
 from sympy import Rational
 
 import stickslip_sym as ss
 from stickslip_sym.model.measured.measurements import Measurements
+from support.sweeps import sweep
 
 SPEED_UNITS = {"m/s": 1, "mm/s": 1000, "cm/s": 100, "um/s": 10**6, "m/min": 60, "km/h": Fraction(18, 5),
                "in/s": 1 / Fraction("0.0254"), "mm s^-1": 1000, "m·s⁻¹": 1, "mm/min": 60000, "nm/s": 10**9,

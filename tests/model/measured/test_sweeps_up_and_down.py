@@ -1,13 +1,15 @@
 """Sweeps up and down and in both directions, held against what they were made of: curve, hysteresis, offset."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.model.measured.measurements import Measurements
+from support.sweeps import sweep
 
 TRUE = {"mu_s": 0.5, "mu_m": 0.2, "alpha": 3.0}
 NOISE = 0.004
@@ -31,12 +33,10 @@ def swept(rng, *, sweeps=1, dwell=1, speeds=None):
     return (v * (1 + 0.003 * rng.normal(size=len(v))) if dwell > 1 else v), np.tile(way, sweeps)
 
 
-@sweep(
-    ("gap", "shape"),
-    [(gap, shape) for gap in GAPS
-     for shape in ({}, {"sweeps": 3, "speeds": np.geomspace(0.005, 1.5, 12)}, {"dwell": 20})],
-    0, 4, 8,
-)  # fmt: skip
+SHAPES = ({}, {"sweeps": 3, "speeds": np.geomspace(0.005, 1.5, 12)}, {"dwell": 20})
+
+
+@sweep(("gap", "shape"), product(GAPS, SHAPES), *zip(GAPS, SHAPES, strict=True))
 def test_a_law_between_branches_has_the_errors_of_the_noise_alone(gap, shape):
     """Fitted as they stand, these rows have standard errors 3 to 10 times as wide."""
     held, wide = [], []

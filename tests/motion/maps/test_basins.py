@@ -4,7 +4,6 @@ from copy import copy
 
 import numpy as np
 import pytest
-from operating_points import paper_oscillator
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
@@ -14,6 +13,7 @@ from stickslip_sym import Motion
 from stickslip_sym.motion.maps import basins
 from stickslip_sym.motion.regimes.classification import followed
 from stickslip_sym.motion.regimes.regime import kept_regime
+from support.operating_points import paper_oscillator
 
 BISTABLE = ss.laws.exponential.bind(mu_s=1, mu_m=0.5, alpha=2), ss.Oscillator(m=1, k=1, c=0.1, V=1.5, N=1)
 

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
 from stickslip_sym.motion.maps.results_over_axes import Axis
+from support.operating_points import paper_oscillator
 
 LAW = ss.laws.exponential.typical()
 POINT = {"N": 9.81, "m": 1.0, "k": 100.0}

@@ -4,13 +4,13 @@ import re
 
 import numpy as np
 import pytest
-from operating_points import TWO, laws_in_pieces
-from sweeps import sample
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
 from stickslip_sym.motion.maps.cells import Reason
 from stickslip_sym.motion.orbits.damping import NeededDamping
+from support.operating_points import TWO, laws_in_pieces
+from support.sweeps import sample
 
 POINT = {"N": 9.81, "m": 1.0, "k": 100.0}
 LAW = ss.laws.exponential.typical()

@@ -5,12 +5,12 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from operating_points import TWO, WAVY, WAVY_POINT, paper_oscillator
-from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
 from stickslip_sym.motion.maps.results_over_axes import placed
+from support.operating_points import TWO, WAVY, WAVY_POINT, paper_oscillator
+from support.sweeps import sweep
 
 LAW = ss.laws.exponential.bind(mu_s=1, mu_m=0.5, alpha=2)
 OSC = ss.Oscillator(m=1, k=1, c=0.1, V=1.5, N=1)
@@ -61,7 +61,7 @@ def test_a_fold_over_another_quantity():
 @sweep(
     ("name", "values", "folds"),
     [("c", (0.05, 0.1), 6), ("N", (0.5, 0.8), 6), ("V", (0.43, 0.46), 3), ("h", (0.002, 0.011), 1)],
-    0,
+    ("c", (0.05, 0.1), 6),
 )
 def test_numbers_of_cycles_change_where_basins_do(name, values, folds):
     """By two at a fold and by one at a graze or where rest turns: so none is missed, and none is too many."""

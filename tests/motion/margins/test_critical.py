@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from operating_points import smooth_points
-from sweeps import sample, sweep
 
 import stickslip_sym as ss
+from support.operating_points import smooth_points
+from support.sweeps import sample, sweep
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 
@@ -113,7 +113,9 @@ def test_polynomial_averages_need_no_range():
     assert ss.critical(ss.laws.coulomb_viscous.typical(), "N", c=1.0, V=0.5, method="equilibrium") == ()
 
 
-@sweep(("speeds", "count"), [((0.3, 0.35), 1), ((0.3, 0.7), 2)], 0)  # the second speed, 0.688 m/s, takes long
+@sweep(
+    ("speeds", "count"), [((0.3, 0.35), 1), ((0.3, 0.7), 2)], ((0.3, 0.35), 1)
+)  # the second speed, 0.688 m/s, takes long
 def test_averages_of_a_steep_fall(speeds, count):
     """Stribeck's law with an exponent of 60 falls at v_s as a step does, between the nodes of a fixed rule."""
     law, point = ss.laws.stribeck_viscous.typical(delta=60), {"V": 0.5, "N": 9.81}

@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 import sympy as sp
-from commands import inside, read_json
 from scipy.integrate import solve_ivp
-from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core import symbols
 from stickslip_sym.motion.margins import critical as module
+from support.commands import inside, read_json
+from support.sweeps import sweep
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 

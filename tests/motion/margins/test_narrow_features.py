@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from one_question import NoAnswer, asked
-from sweeps import sweep
 
 import stickslip_sym as ss
+from support.random_questions import NoAnswer, asked
+from support.sweeps import sweep
 
 POINT = {"N": 9.81, "m": 1.0, "k": 100.0}
 BUMP = "0.2 + 0.3*exp(-3*v) - 0.1*exp(-((v - {})/0.001)^2)"

@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from operating_points import TWO, WAVY, WAVY_POINT, paper_oscillator
-from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.criteria.rule import gauss_average
 from stickslip_sym.motion.kernel.slip_data import SlipEnd
 from stickslip_sym.motion.orbits.damping import needed_damping
 from stickslip_sym.motion.slip import NondimensionalOscillator
+from support.operating_points import TWO, WAVY, WAVY_POINT, paper_oscillator
+from support.sweeps import sweep
 
 
 def test_every_cycle_of_a_balance_not_monotone():

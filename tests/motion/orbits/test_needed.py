@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym.motion.kernel.creeping import creeps, slope_bounds
@@ -23,6 +22,7 @@ from stickslip_sym.motion.orbits.needed import (
 )
 from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.numerics.known import Unknown
+from support.operating_points import paper_oscillator
 
 SLOW = ss.FrictionLaw("0.4 + 17*v*exp(-v/0.004) + 3.4*Max(v - 0.05, 0)")
 HEAVY = {"V": 0.035, "N": 48000.0, "m": 25.0, "k": 4300.0}

@@ -2,9 +2,9 @@
 
 import mpmath
 import numpy as np
-from sweeps import sweep
 
 import stickslip_sym as ss
+from support.sweeps import sweep
 
 DIGITS = 45
 EXACT = 1e-12

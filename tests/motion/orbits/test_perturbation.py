@@ -4,12 +4,12 @@ import warnings
 
 import numpy as np
 import pytest
-from sweeps import sweep
 
 import stickslip_sym as ss
 from derivations import d8_second_order
 from stickslip_sym.core.symbols import N, V, k, m
 from stickslip_sym.motion.orbits.expansion import expand
+from support.sweeps import sweep
 
 FOUR = ["exponential", "polynomial", "hyperbolic", "gaussian"]
 AGREES = 1e-12  # two ways to the same sum in double precision

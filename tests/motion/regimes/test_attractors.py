@@ -4,11 +4,11 @@ import csv
 
 import numpy as np
 import pytest
-from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym.cli.map import report
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, AttractorKind, Region
+from support.operating_points import paper_oscillator
 
 OVERTAKING = AttractorKind(
     "overtaking", ss.Motion.PURE_SLIP, Region("overtaking", "#0072B2", "\\\\", "V"),

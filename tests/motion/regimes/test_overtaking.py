@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym import Motion, Phase
 from stickslip_sym.motion.regimes import overtaking
 from stickslip_sym.motion.slip import NondimensionalOscillator
+from support.sweeps import sweep
 
 RISING = ["popp_stelter", "cubic", "polynomial", "exponential_viscous"]
 OUTSIDE = ss.laws.popp_stelter.typical(), ss.Oscillator(m=1, k=100, c=-1, V=0.1, N=2)

@@ -5,14 +5,14 @@ import math
 
 import numpy as np
 import pytest
-from operating_points import TWO, paper_oscillator
-from sweeps import sample
 
 import stickslip_sym as ss
 from stickslip_sym import Motion, Phase
 from stickslip_sym.motion.orbits.cycles import LimitCycle
 from stickslip_sym.motion.regimes.regime import Regime, Rest
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle
+from support.operating_points import TWO, paper_oscillator
+from support.sweeps import sample
 
 KINKED = ss.FrictionLaw("Max(0.5 - 0.4*v, 0.25)")
 STATIC = ss.FrictionLaw("0.2 + 0.3*exp(-3*v)", static="1")

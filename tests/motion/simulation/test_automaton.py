@@ -3,17 +3,17 @@
 import math
 from dataclasses import replace
 
-import motions
 import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.polynomial.legendre import leggauss
-from operating_points import paper_oscillator
-from sweeps import sample
 
 import stickslip_sym as ss
 from stickslip_sym import Outcome, Phase
+from support import reference_motions
+from support.operating_points import paper_oscillator
+from support.sweeps import sample
 
 IMPLICIT = 1e-7  # of w between the steps of the implicit method, whose interpolant is of order 3
 AGREES = 1e-6  # of the size of a motion
@@ -23,36 +23,36 @@ EVENT_TIMES = 1e-11  # relative, at rtol = 1e-12
 
 @given(seed=st.integers(0, 10**6))
 def test_no_event_is_missed_and_none_is_spurious(seed):
-    law, osc, x0, v0 = motions.one_point(seed)
-    motion = motions.simulated(law, osc, x0, v0)
-    assert motions.violations(law, osc, motion) == []
+    law, osc, x0, v0 = reference_motions.one_point(seed)
+    motion = reference_motions.simulated(law, osc, x0, v0)
+    assert reference_motions.violations(law, osc, motion) == []
 
 
 @sample(4)
-@pytest.mark.parametrize(("law", "osc", "x0", "v0"), [point[1:] for point in motions.points(8, seed=6)])
+@pytest.mark.parametrize(("law", "osc", "x0", "v0"), [point[1:] for point in reference_motions.points(8, seed=6)])
 def test_event_times_against_an_independent_integration(law, osc, x0, v0):
-    motion = motions.simulated(law, osc, x0, v0)
-    expected = motions.reference(law, osc, x0, v0, motion.t[-1])
-    assert motions.disagreement(motion.events, expected) < EVENT_TIMES
+    motion = reference_motions.simulated(law, osc, x0, v0)
+    expected = reference_motions.reference(law, osc, x0, v0, motion.t[-1])
+    assert reference_motions.disagreement(motion.events, expected) < EVENT_TIMES
 
 
 def test_the_checks_of_events_can_fail():
     law, osc = ss.laws.exponential.typical(), paper_oscillator(1.0)
     motion = ss.simulate(law, osc, t_end=2.0, x0=0.2, v0=0.0, rtol=1e-12)
-    assert motions.violations(law, osc, motion) == []
+    assert reference_motions.violations(law, osc, motion) == []
     first, *others = motion.stretches
     for wrong in (replace(first, phase=Phase.SLIP_FORWARD), replace(first, phase=Phase.STICK)):
-        assert motions.violations(law, osc, replace(motion, stretches=(wrong, *others)))
-    expected = motions.reference(law, osc, 0.2, 0.0, 2.0)
+        assert reference_motions.violations(law, osc, replace(motion, stretches=(wrong, *others)))
+    expected = reference_motions.reference(law, osc, 0.2, 0.0, 2.0)
     late = [(t * (1 + 1e-10), phase) for t, phase in expected]
-    assert motions.disagreement(motion.events, late) > EVENT_TIMES
-    assert motions.disagreement(motion.events, expected[:-1]) == math.inf
+    assert reference_motions.disagreement(motion.events, late) > EVENT_TIMES
+    assert reference_motions.disagreement(motion.events, expected[:-1]) == math.inf
 
 
 @given(seed=st.integers(0, 10**6))
 def test_motions_are_those_of_solve_ivp(seed):
     """SciPy's integrator with events, which shares nothing with the package's but mu, at a tolerance of 1e-10."""
-    law, osc, x0, v0 = motions.one_point(seed)
+    law, osc, x0, v0 = reference_motions.one_point(seed)
     t_end = 8 / osc.omega
     ours, other = (
         ss.simulate(law, osc, x0=x0, v0=v0, t_end=t_end, rtol=1e-10, method=one) for one in ("events", "solve_ivp")
@@ -65,14 +65,14 @@ def test_motions_are_those_of_solve_ivp(seed):
 
 @given(seed=st.integers(0, 10**6))
 def test_slips_are_those_of_lsoda(seed):
-    law, osc, x0, v0 = motions.one_point(seed)
-    motion = motions.simulated(law, osc, x0, v0)
+    law, osc, x0, v0 = reference_motions.one_point(seed)
+    motion = reference_motions.simulated(law, osc, x0, v0)
     for stretch in motion.stretches[:3]:
         if stretch.phase is not Phase.STICK:
             t = np.linspace(stretch.start, stretch.end, 9)[1:-1]
             x, v = stretch.course(t)
             size = np.array([osc.length + np.ptp(x), osc.V + np.ptp(v)])[:, None]
-            off = motions.lsoda(law, osc, x[0], v[0], t) - [x, v]
+            off = reference_motions.lsoda(law, osc, x[0], v[0], t) - [x, v]
             assert np.abs(off / size).max() < 1e-7
 
 
@@ -80,7 +80,9 @@ def test_stiff_slips_are_those_of_lsoda(law):
     osc, t = paper_oscillator(1e4), np.array([0.0, 1e-4, 1e-2, 1.0, 50.0])
     motion = ss.simulate(law, osc, t_end=50.0, x0=0.2, v0=-3.0)
     found = motion.at(t)
-    assert np.array([found.x, found.v]) == pytest.approx(motions.lsoda(law, osc, 0.2, -3.0, t), rel=1e-5, abs=1e-8)
+    assert np.array([found.x, found.v]) == pytest.approx(
+        reference_motions.lsoda(law, osc, 0.2, -3.0, t), rel=1e-5, abs=1e-8
+    )
 
 
 @pytest.mark.parametrize("change", [{"c": 1.001}, {"N": 9.815}])
@@ -93,7 +95,7 @@ def test_the_reference_notices_a_wrong_motion(law, change):
 def test_a_motion_goes_on_from_any_point():
     """A motion that sticks is integrated for one round, and is what it would be if every round were."""
     sticking, cut = 0, 0.43
-    for kind, law, osc, x0, v0 in motions.points(18, seed=11):
+    for kind, law, osc, x0, v0 in reference_motions.points(18, seed=11):
         t_end = 40 / osc.omega
         whole = ss.simulate(law, osc, t_end=t_end, x0=x0, v0=v0, rtol=1e-12)
         if whole.outcome is not Outcome.FINISHED:
@@ -159,7 +161,7 @@ def test_masses_of_all_sizes(name, exponent, c):
     t_end = 3 * (cycle.period if cycle else 2 * math.pi / osc.omega)
     motion = ss.simulate(law, osc, t_end=t_end, v0=0.0, rtol=1e-12)
     assert motion.t[-1] == pytest.approx(t_end, rel=1e-14)
-    assert motions.violations(law, osc, motion, IMPLICIT) == []
+    assert reference_motions.violations(law, osc, motion, IMPLICIT) == []
     if cycle and exponent == -9:  # without inertia the mass turns back where friction gives way
         assert cycle.x_max == pytest.approx(osc.onset(law), rel=1e-6)
 

@@ -5,10 +5,10 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Outcome, Phase
+from support.operating_points import paper_oscillator
 
 EVENT_TIMES = 1e-11  # relative, at rtol = 1e-12
 

@@ -7,10 +7,10 @@ import sys
 
 import numpy as np
 import pytest
-from motions import points
-from operating_points import paper_oscillator
 
 import stickslip_sym as ss
+from support.operating_points import paper_oscillator
+from support.reference_motions import points
 
 AGREES = 1e-7  # of the size of the motion, at rtol = 1e-10, where grazes carry errors on
 

@@ -2,15 +2,15 @@
 
 import math
 
-import motions
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Phase
+from support import reference_motions
+from support.operating_points import paper_oscillator
 
 PERIOD_AGREES = 1e-9
 
@@ -74,7 +74,7 @@ def test_laws_with_an_infinite_slope_at_rest(formula):
     assert [event.begins for event in motion.events[:2]] == [Phase.STICK, Phase.SLIP_BACK]
     assert motion.events[1].x == pytest.approx((0.3 if "^" in formula else 0.5) * 9.81 / 100, rel=1e-12)
     t, x, v = (part[motion.t > motion.events[1].t][3:15] for part in (motion.t, motion.x, motion.v))
-    assert np.array([x, v]) == pytest.approx(motions.lsoda(law, osc, x[0], v[0], t), rel=1e-6, abs=1e-9)
+    assert np.array([x, v]) == pytest.approx(reference_motions.lsoda(law, osc, x[0], v[0], t), rel=1e-6, abs=1e-9)
 
 
 @pytest.mark.parametrize("c", [30.0, 1e5])

@@ -6,10 +6,10 @@ import re
 
 import numpy as np
 import pytest
-from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
+from support.operating_points import paper_oscillator
 
 
 def test_change_of_a_linear_oscillator_is_exact():

@@ -5,11 +5,11 @@ import math
 
 import numpy as np
 import pytest
-from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym import Phase
 from stickslip_sym.motion.simulation.trajectory import EventKind, State
+from support.operating_points import paper_oscillator
 
 
 @pytest.fixture(scope="module")

@@ -4,12 +4,12 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from operating_points import laws_in_pieces, smooth_points
-from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
+from support.operating_points import laws_in_pieces, smooth_points
+from support.sweeps import sweep
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 

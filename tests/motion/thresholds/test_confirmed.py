@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from sweeps import sweep
 
 import stickslip_sym as ss
 from stickslip_sym.motion.thresholds import grazing
 from stickslip_sym.motion.thresholds.grazing import grazing_damping
+from support.sweeps import sweep
 
 POINT = {"m": 1.0, "k": 100.0, "V": 0.5, "N": 9.81}
 

@@ -4,22 +4,24 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from narrow_laws import SHAPES, narrow_law, parted
-from parted_slip import lies_between
-from sweeps import sample, sweep
 
 import stickslip_sym as ss
+from support.narrow_laws import SHAPES, narrow_law, parted
+from support.sweeps import sample, sweep
+from support.threshold_by_scipy import lies_between
 
 NARROW = [("step", 1), ("bump", 1), ("sech", 5), ("layer", 2), ("nested", 3)]
 METHODS = ["auto", "simulation", "orbit", "second_order"]
+EACH_BY_ALL = [(*law, method) for law in NARROW for method in METHODS]
 WEAK = 1e-4  # N/(V sqrt(k m)): the threshold is that of the harmonic criterion up to the square of it
 
 
 @sample(6)
 @sweep(
     ("shape", "seed", "method"),
-    [(*law, method) for law in NARROW for method in METHODS],
-    *(number for number in range(len(NARROW) * len(METHODS)) if number % 3 != 1),
+    EACH_BY_ALL,
+    *EACH_BY_ALL[::3],
+    *EACH_BY_ALL[2::3],
 )
 def test_weak_friction_against_enclosures(shape, seed, method):
     """The enclosed integral knows every place; no grid, step or table may step over one."""

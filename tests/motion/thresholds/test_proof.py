@@ -10,8 +10,6 @@ import pytest
 import sympy as sp
 from flint import arb
 from scipy.integrate import solve_ivp
-from strategies import nested
-from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.core.precision import working_precision
@@ -19,6 +17,8 @@ from stickslip_sym.model.lipschitz import lipschitz_evidence
 from stickslip_sym.motion.thresholds import boxes, theorem
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, flow, transit
 from stickslip_sym.motion.thresholds.theorem import checked_hypotheses, prove_threshold
+from support.strategies import nested
+from support.sweeps import sample, sweep
 
 R = sp.Rational
 POINTS = [
@@ -77,6 +77,7 @@ BY_MPMATH = [
     ("polynomial", "3.1", 30, lambda w: MP("0.3") * (MP("0.75") * w - w**3 / 16)),
     ("lorentzian", "3.1", 30, lambda w: MP("0.3") * (1 - 1 / (1 + w**2))),
 ]
+BELOW_STATIC = [(name, friction) for name, _, _, friction in BY_MPMATH]
 
 
 @cache
@@ -105,7 +106,7 @@ def test_the_lowest_slip_speed_is_mpmath_s(name, c, digits, friction):
         assert abs(middle - truth) < MP(10) ** (3 - digits)
 
 
-@sweep(("name", "friction"), [(name, friction) for name, _, _, friction in BY_MPMATH], 1)
+@sweep(("name", "friction"), BELOW_STATIC, BELOW_STATIC[1])
 def test_the_orbit_grazes_by_mpmath(name, friction):
     """Newton's step from its threshold, over two of mpmath's motions, is as small as its error."""
     found = ss.pure_slip_damping(LAWS[name], V=0.5, N=9.81, m=1, k=100, method="orbit", rtol=1e-12).value

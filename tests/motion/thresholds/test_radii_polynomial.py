@@ -3,11 +3,11 @@
 from fractions import Fraction
 
 import pytest
-import radii_polynomial as independent
 from flint import fmpq
 
 import stickslip_sym as ss
 from stickslip_sym.criteria.enclosure import Enclosure, enclosure_of
+from support import radii_polynomial as independent
 
 ETA = fmpq(981, 500)  # N/(V sqrt(k m))
 FRICTION = {

@@ -4,12 +4,12 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from operating_points import SMOOTH, smooth_points
-from sweeps import sample, sweep
 
 import stickslip_sym as ss
 from stickslip_sym.motion.thresholds.grazing import grazing_sensitivity
 from stickslip_sym.motion.thresholds.methods import Computed, Method
+from support.operating_points import SMOOTH, smooth_points
+from support.sweeps import sample, sweep
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 KINK = "Piecewise((mu_s - a*v, v < v_1), (mu_s - a*v_1 + b*(v - v_1), True))"
@@ -59,7 +59,10 @@ def test_orbit_against_differences(count):
             continue
 
 
-@sweep(("V", "N"), [(0.55, 20.0), (0.6, 20.0), (0.8, 20.0), (1.0, 1.0), (1.0, 20.0)], 1, 2, 3, 4)
+AT_JUMPS = [(0.55, 20.0), (0.6, 20.0), (0.8, 20.0), (1.0, 1.0), (1.0, 20.0)]
+
+
+@sweep(("V", "N"), AT_JUMPS, *AT_JUMPS[1:])
 def test_jumps_that_are_touched_or_at_the_belt_speed(V, N):
     """Where the highest slip speed touches a drop of mu, up to V = 0.6 m/s, and where mu drops at V."""
     law = ss.FrictionLaw("Piecewise((mu_s + a*exp(-b*v), v < v_1), (mu_s - d, True))")

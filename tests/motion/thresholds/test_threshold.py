@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from operating_points import laws_in_pieces, paper_oscillator
-from sweeps import sample, sweep
 
 import stickslip_sym as ss
+from support.operating_points import laws_in_pieces, paper_oscillator
+from support.sweeps import sample, sweep
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 EXPONENTIAL, POLYNOMIAL = ss.laws.exponential.typical(), ss.laws.polynomial.typical()

@@ -2,13 +2,13 @@
 
 from functools import cache
 
-import latex_reader
 import mpmath
 import sympy as sp
 
 import stickslip_sym as ss
 from stickslip_sym.core.special import Lerch
 from stickslip_sym.output.notation import latex_name
+from support import latex_reader
 
 LAWS = list(ss.laws.catalogue)
 NO_LEAST_SQUARES = {"andersson"}

@@ -4,11 +4,11 @@ import math
 import warnings
 from random import Random
 
-import narrow_laws
 import numpy as np
 
 import stickslip_sym as ss
 from stickslip_sym.core.errors import NO_RESULT
+from support import narrow_laws
 
 PLAIN = (
     "exponential", "polynomial", "hyperbolic", "gaussian", "lorentzian", "tanh", "logarithmic", "brown_mcphee",

@@ -4,10 +4,10 @@ import pickle
 from functools import cache
 
 import numpy as np
-from operating_points import paper_oscillator
 
 import stickslip_sym as ss
 from stickslip_sym.formula.proof.proving import prove_equal
+from support.operating_points import paper_oscillator
 
 
 @cache
