@@ -92,7 +92,8 @@ def _follow_all(rise: Rise, columns: Any, rtol: float, until: int, level: float,
     eta, push, side, damping, hold, q, w, horizon, most, passes = columns
     wedge = no_wedge(rise)
     for i in range(len(q)):
-        field, begin = Field(eta[i], push[i], side[i], damping[i]), SlipState(0.0, q[i], w[i], side[i], 0.0, 0.0)
+        field = Field(eta[i], push[i], side[i], damping[i])
+        begin = SlipState(0.0, q[i], w[i], side[i], 0.0, 0.0)
         stop = Stop(until, level, horizon[i], int(most[i]), int(passes[i]))
         run = follow(rise, field, hold[i], begin, stop, wedge, rtol, False)
         rows[i, 0] = run.end.value
@@ -198,7 +199,8 @@ class NondimensionalOscillator:
 
     def decay(self, w: float) -> float:
         """Return -dw'/dw, the rate at which a deviation of the slip speed w >= 0 decays, between both sides."""
-        low, high = max(w - 1e-6 * max(w, 1.0), 0.0), w + 1e-6 * max(w, 1.0)
+        low = max(w - 1e-6 * max(w, 1.0), 0.0)
+        high = w + 1e-6 * max(w, 1.0)
         return (self.acceleration(0.0, low) - self.acceleration(0.0, high)) / (high - low)
 
     def turn(self, w: float) -> float:
@@ -273,14 +275,18 @@ class NondimensionalOscillator:
         When the time of a `time_limit` is up, which is looked at between batches, the end of what is left is LATE.
         """
         etas, zetas = (self.eta, self.zeta) if ratios is None else ratios
-        static, onset = self.table.static, self.table.onset
-        push, hold = np.multiply(etas, np.multiply(side, static) - onset), np.multiply(etas, 2 * static)
+        static = self.table.static
+        onset = self.table.onset
+        push = np.multiply(etas, np.multiply(side, static) - onset)
+        hold = np.multiply(etas, 2 * static)
         damping = np.multiply(2.0, zetas)
         given = etas, push, side, damping, hold, q, w, horizon, most, passes
         columns = np.empty((len(given), *np.broadcast(*given).shape))
         for column, value in zip(columns, given, strict=True):
             column[:] = value
-        sides, u, none = columns[2], columns[2] * columns[6], np.zeros(columns.shape[1:])
+        sides = columns[2]
+        u = columns[2] * columns[6]
+        none = np.zeros(columns.shape[1:])
         rows = np.column_stack([none + SlipEnd.LATE, none, q, w, sides, *[none] * 4, q, q, u, u])
         halves = min(float(np.max(passes, initial=0)), horizon / math.pi)
         batch = math.ceil(_SLIPS_A_BATCH / (1.0 + halves))
@@ -294,7 +300,8 @@ class NondimensionalOscillator:
         - `options`: of `slips`.
         """
         slips = self.slips(q, np.zeros_like(q), passes=1, until=SlipEnd.MINIMUM, rtol=rtol, **options)
-        returns, leaves = slips.end == SlipEnd.RETURN, slips.end == SlipEnd.OUTSIDE
+        returns = slips.end == SlipEnd.RETURN
+        leaves = slips.end == SlipEnd.OUTSIDE
         slower = (slips.end == SlipEnd.MINIMUM) | (slips.end == SlipEnd.REST)
         # Without static friction P is passed by all that come to it but for rounding.
         sticks = returns & (slips.q <= 0) & (self.table.static > 0)
@@ -315,7 +322,8 @@ class NondimensionalOscillator:
         - `which`: the number of the step for each time.
         """
         begin, q, w, rate, _, segment, implicit = np.array(steps, dtype=np.float64)[which].T
-        columns, rows = (begin, q, w, rate, segment, implicit, tau), np.empty((len(tau), 2))
+        columns = (begin, q, w, rate, segment, implicit, tau)
+        rows = np.empty((len(tau), 2))
         self.spread(_states, columns, (self.field(side), rtol), rows, few=_FEW_STATES)
         check_time()
         return rows[:, 0], rows[:, 1]
@@ -336,12 +344,15 @@ class NondimensionalOscillator:
         run = compiled(loop) if fast else loop
 
         def carry_out(some: slice) -> bool:
-            low, count = some.start, _SLIPS_BEFORE_LOOK if fast and time_left() < math.inf else length
+            low = some.start
+            count = _SLIPS_BEFORE_LOOK if fast and time_left() < math.inf else length
             while low < some.stop and not (low and is_late()):
-                motions, begin = slice(low, min(low + count, some.stop)), time_left()
+                motions = slice(low, min(low + count, some.stop))
+                begin = time_left()
                 part = tuple(np.array(column[motions], dtype=np.float64) for column in columns)
                 run(rise, part if fast else [column.tolist() for column in part], *settings, rows[motions])
-                low, count = motions.stop, 2 * count if begin - time_left() < _BETWEEN_LOOKS else count
+                low = motions.stop
+                count = 2 * count if begin - time_left() < _BETWEEN_LOOKS else count
             return True
 
         length = batch if fast else max(len(rows), 1)  # plain Python looks at the time limit itself

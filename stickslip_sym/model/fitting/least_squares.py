@@ -236,38 +236,59 @@ class Problem:
         """Yield up to `count` starts that differ, the best of random trials first."""
         moved = {i for feature in self.features for i in (feature.moved, *dict(feature.phases))}
         apart = np.where([i in moved for i in self.sought], _APART_ON_A_GRID, _LOG_DISTANCE_OF_STARTS)
-        chosen = list[FloatArray]()
+        chosen = np.empty((0, len(self.sought)))
         for p in self._best_first(self._trials(moved)):
+            sought = p[self.sought]
             with np.errstate(divide="ignore", invalid="ignore"):
-                near = [(np.abs(np.log(p[self.sought] / other[self.sought])) <= apart).all() for other in chosen]
-            if not any(near):
-                chosen.append(p)
-                yield p
+                distances = np.abs(np.log(sought / chosen))
+            if (distances <= apart).all(axis=1).any():
+                continue
+
+            yield p
+            chosen = np.vstack([chosen, sought])
             if len(chosen) == count:
                 return
 
     def _trials(self, moved: Collection[int]) -> list[FloatArray]:
         """Return random values where mu is not linear in them, with places and waves moved to their best."""
-        rng = np.random.default_rng(_SEED)
-        powers = [_power_of_speed(self._units[i]) for i in self.sought]
-        above = self._v[self._v > _SPEED_AT_REST]
-        speeds = (
-            (above.min() / _SPEED_RANGE_FACTOR, above.max() * _SPEED_RANGE_FACTOR) if len(above) else (0.1, 1.0)
-        )
-        drawn = [i for i in self.sought if i not in moved]
-        count = _TRIALS * len(drawn) // (2 if self.features else 1)
+        count = _TRIALS * sum(i not in moved for i in self.sought)
+        if self.features:
+            count //= 2
+
+        passes = 1
+        if len(self.features) > 1:
+            passes = 2  # each is moved again, once the others are
+            count = max(count, _FEWEST_TRIALS)
+
         trials = list[FloatArray]()
-        for _ in range(max(count, _FEWEST_TRIALS if len(self.features) > 1 else 1)):
-            p: FloatArray = np.zeros(len(self.names))
-            for i, known in zip(self.sought, powers, strict=True):
-                sign = 1 if self.positive[i] else int(rng.choice([-1, 1]))
-                power = int(rng.choice([-1, 0, 1])) if known is None else known
-                size = float(np.exp(rng.uniform(*np.log(speeds if power else _EXPONENTS))))
-                p[i] = sign * size ** (power or 1)
-            for feature in (self.features * 2)[: -1 if len(self.features) == 1 else None]:
+        draw = self._drawing()
+        for _ in range(max(count, 1)):
+            p = draw()
+            for feature in self.features * passes:
                 p = self._moved(p, feature, feature.levels)
             trials.append(p)
         return trials
+
+    def _drawing(self) -> Callable[[], FloatArray]:
+        """Return what draws values: powers of speeds near the measured ones, and pure numbers."""
+        rng = np.random.default_rng(_SEED)
+        powers = [_power_of_speed(self._units[i]) for i in self.sought]
+        speeds = 0.1, 1.0  # where all are at rest
+        above = self._v[self._v > _SPEED_AT_REST]
+        if len(above):
+            speeds = above.min() / _SPEED_RANGE_FACTOR, above.max() * _SPEED_RANGE_FACTOR
+
+        def draw() -> FloatArray:
+            p: FloatArray = np.zeros(len(self.names))
+            for i, power in zip(self.sought, powers, strict=True):
+                sign = 1 if self.positive[i] else int(rng.choice([-1, 1]))
+                if power is None:
+                    power = int(rng.choice([-1, 0, 1]))
+                size = float(np.exp(rng.uniform(*np.log(speeds if power else _EXPONENTS))))
+                p[i] = sign * size ** (power or 1)
+            return p
+
+        return draw
 
     def _best_first(self, trials: Sequence[FloatArray]) -> Iterator[FloatArray]:
         """Yield trials with the best of their linear values, in ascending order of the sum of squares.

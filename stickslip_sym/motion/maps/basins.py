@@ -146,7 +146,9 @@ def basin_map(
     >>> f"{found.share[Motion.REST].value:.6f} of the box come to rest"
     '0.223441 of the box come to rest'
     """
-    law, osc, rtol = as_law(law), as_oscillator(osc), read_rtol(rtol)
+    law = as_law(law)
+    osc = as_oscillator(osc)
+    rtol = read_rtol(rtol)
     axes = (
         Axis("x0", read_values("x0", x0), "m", "initial displacement"),
         Axis("v0", read_values("v0", v0), "m/s", "initial velocity"),
@@ -154,7 +156,8 @@ def basin_map(
     x, v = (axis.values for axis in axes)
     require_few(x.size, v.size)
     plane = kept_regime(law, osc, TIGHT)  # separatrices are few, and decide about many initial conditions
-    sides, share = np.full((v.size, x.size), None, dtype=object), dict[Motion, Share]()
+    sides = np.full((v.size, x.size), None, dtype=object)
+    share = dict[Motion, Share]()
 
     def simulated(chosen: BoolArray) -> ObjectArray:
         rows, columns = np.nonzero(chosen)
@@ -169,7 +172,8 @@ def basin_map(
             sides = plane.by_side(x, v[:, None])
             if min(x.size, v.size) > 1:
                 share = shares_by_area(plane, (x[0], x[-1]), (v[0], v[-1]))
-        fates, known = np.full(sides.shape, None, dtype=object), sides.astype(bool)
+        fates = np.full(sides.shape, None, dtype=object)
+        known = sides.astype(bool)
         chosen = ~known
         sample = np.flatnonzero(known)
         chosen.flat[np.random.default_rng(_SEED).choice(sample, min(sample.size, _CHECKED), replace=False)] = True
@@ -178,7 +182,8 @@ def basin_map(
             share = {}  # the sides of the separatrices are not what decides
             fates[~chosen] = simulated(~chosen)
     motion = np.where(fates.astype(bool), fates, sides)
-    notes, disagreements = dict[tuple[int, int], str](), 0
+    notes = dict[tuple[int, int], str]()
+    disagreements = 0
     for place in zip(*map(np.ndarray.tolist, np.nonzero(fates)), strict=True):
         fate = fates[place]
         if not isinstance(fate, Motion):
@@ -205,9 +210,12 @@ def shares_by_area(regime: Regime, x0: tuple[float, float], v0: tuple[float, flo
     """
     if regime.basins is None:
         return {}
-    osc, motions, curves = regime.oscillator, regime.basins, regime.separatrices
+    osc = regime.oscillator
+    motions = regime.basins
+    curves = regime.separatrices
     least = [0.0 if curve.kind == "graze" else float(curve.w(0.0)) for curve in curves]
-    q, w = (np.array(x0) - osc.onset(regime.law)) / osc.length, np.clip(1 - np.array(v0[::-1]) / osc.V, 0.0, None)
+    q = (np.array(x0) - osc.onset(regime.law)) / osc.length
+    w = np.clip(1 - np.array(v0[::-1]) / osc.V, 0.0, None)
     whole = float(q[1] - q[0]) * (v0[1] - v0[0]) / osc.V
     both = curves, kept_regime(regime.law, osc, ADDED * TIGHT).curves(least)  # again, for the error of the areas
     shares = np.array([np.diff([0.0, *(curve.area_within(q, w) / whole for curve in some), 1.0]) for some in both])

@@ -132,9 +132,13 @@ class _Decider:
     def __init__(
         self, law: FrictionLaw, V: float, points: Mapping[str, FloatArray], rtol: float, seconds: float | None
     ) -> None:
-        self.law, self.points, self.rtol, self.seconds = law, points, rtol, seconds
+        self.law = law
+        self.points = points
+        self.rtol = rtol
+        self.seconds = seconds
         self.system = NondimensionalOscillator.of(law.bound, self._oscillator(V, 0))
-        self.table, self.N = self.system.table, points["N"]
+        self.table = self.system.table
+        self.N = points["N"]
         impedance = np.sqrt(points["k"]) * np.sqrt(points["m"])
         self.eta = self.N / (V * impedance)
         self.ratio = 2 * impedance  # damping over damping ratio
@@ -170,11 +174,14 @@ class _Decider:
 
     def _compared(self) -> tuple[Cells, BoolArray]:
         """Decide the cells by comparisons, and return which of them are known."""
-        zeta, exact, equilibrium = self.zeta, self.exact, self.equilibrium
+        zeta = self.zeta
+        exact = self.exact
+        equilibrium = self.equilibrium
         largest = np.nan_to_num(np.fmax(np.abs(exact), np.abs(equilibrium)))
         margin = self.rtol * largest + np.nan_to_num(self.error)
         near = (np.abs(zeta - exact) <= margin) | (np.abs(zeta - equilibrium) <= margin)
-        returns, rest = zeta < exact, zeta > equilibrium
+        returns = zeta < exact
+        rest = zeta > equilibrium
         held, escapes, known = self._after_return(returns)
         known &= np.isfinite(exact + equilibrium)
         cycle, stable, unsure = self._cycles(zeta < equilibrium)
@@ -182,7 +189,8 @@ class _Decider:
         self._overtaking(known & ~near & (held | ~returns), stable, known)
         signs = Signs(rest=rest, falls=stable, returns=returns & ~escapes, held=held)
         cells = Cells.unknown(zeta.size)
-        motion, reason = cells.motion, cells.reason
+        motion = cells.motion
+        reason = cells.reason
         motion[:], reason[:] = Motion.REST, Reason.BETWEEN
         motion[returns | cycle] = Motion.PURE_SLIP
         motion[returns & held] = Motion.STICK_SLIP
@@ -209,7 +217,8 @@ class _Decider:
         Where the slip from P returns beyond what static friction holds the mass overtakes the belt. It may stick
         after that; else it never sticks again. A motion that sticks at first leaves at P; any other is outside.
         """
-        zeta, static = self.zeta, self.eta * self.table.static
+        zeta = self.zeta
+        static = self.eta * self.table.static
         begin = 2 * zeta - static  # q of the initial condition
         sticks = (begin <= 0) & (begin >= -2 * static)
 
@@ -280,7 +289,8 @@ class _Decider:
     def _growth_of_all(self) -> IntArray:
         """Return 1 where one swing shows that all slip orbits grow, -1 where they shrink, and 0 elsewhere."""
         w = np.array([0.0, 1 - NEAREST])
-        zeta, eta = self.zeta[:, None], self.eta[:, None]
+        zeta = self.zeta[:, None]
+        eta = self.eta[:, None]
         rise = np.array([self.table.rise(self.system.V * speed) for speed in w.tolist()])
         begin = 2 * zeta * w + eta * (self.table.onset + rise - self.table.static)
         slips = self.system.slips(
@@ -288,7 +298,8 @@ class _Decider:
             until=SlipEnd.MINIMUM, rtol=SIGNS, few=0,
         )  # fmt: skip
         check_time()
-        end, least = slips.end.reshape(-1, 2), slips.w.reshape(-1, 2)
+        end = slips.end.reshape(-1, 2)
+        least = slips.w.reshape(-1, 2)
         growth = np.zeros(self.zeta.size, dtype=np.intp)
         growth[(end[:, 0] == SlipEnd.MINIMUM) & (1 - least[:, 0] <= NEAREST)] = -1
         growth[np.isin(end[:, 1], (SlipEnd.RETURN, SlipEnd.OUTSIDE)) & (self.zeta < self.equilibrium)] = 1
@@ -297,7 +308,8 @@ class _Decider:
     def _follow(self, cells: Cells, i: int) -> None:
         """Decide one cell by following motions."""
         osc, rtol = self._oscillator(self.system.V, i), self.rtol / ADDED  # so near a separatrix it is not decided
-        outcome, why = None, ""
+        outcome = None
+        why = ""
         try:
             check_time()
             outcome = kept_regime(self.law, osc, rtol)

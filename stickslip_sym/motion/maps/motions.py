@@ -146,7 +146,8 @@ def motion_map(
     axes, bound, fixed = read_plane(law, x, y, {"V": V, "N": N, "m": m, "k": k, "c": c})
     rtol = read_rtol(rtol, least=1e-8)
     grid = np.meshgrid(*(axis.values for axis in axes))
-    shape, names = grid[0].shape, [axis.name for axis in axes]
+    shape = grid[0].shape
+    names = [axis.name for axis in axes]
     points = {name: np.full(grid[0].size, value) for name, value in fixed.items()}
     points |= {name: values.ravel() for name, values in zip(names, grid, strict=True)}
     # Those of one law and belt speed beside each other, and along c those that differ in nothing else.

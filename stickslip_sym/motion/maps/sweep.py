@@ -152,7 +152,8 @@ def basin_sweep(
     >>> [f"{change.kind} {change.value:.6f}" for change in found.changes]
     ['Hopf 1.970016', 'graze 2.573079']
     """
-    law, osc = as_law(law), as_oscillator(osc)
+    law = as_law(law)
+    osc = as_oscillator(osc)
     axis = read_axis(law, "over", over)
     box = _limits("x0", x0), _limits("v0", v0)
 
@@ -167,7 +168,8 @@ def basin_sweep(
         folds, unresolved = _folds(at, values[0], values[-1], axis.name == "c")
         changes = [*_critical(at(values[0]).law, at(values[0]).oscillator, axis), *folds]
     present = [motion for motion in Motion if any(motion in share for share in shares)]
-    none, unsettled = Share(0.0, 0.0), Share(math.nan, math.nan)
+    none = Share(0.0, 0.0)
+    unsettled = Share(math.nan, math.nan)
     table = {motion: [share.get(motion, none if share else unsettled) for share in shares] for motion in present}
     return BasinSweep(
         (axis,), law, {name: value for name, value in asdict(osc).items() if name != axis.name},
@@ -213,7 +215,8 @@ def _folds(
     They do where an extremum of the needed damping is the damping there is.
     """
     if over_damping:
-        need, unit = needed_damping(at(low).law, at(low).oscillator), at(low).oscillator.impedance
+        need = needed_damping(at(low).law, at(low).oscillator)
+        unit = at(low).oscillator.impedance
         folds = [Change("fold", turn.value * unit, turn.error * unit) for turn in need.turns[1:-1]]
         missed = [(low, high)] if need.resolved.open else []
         return [fold for fold in folds if low <= fold.value <= high], missed
@@ -230,12 +233,10 @@ def _folds(
         unit = osc.impedance
         return [Turn(turn.x, turn.value * unit - osc.c, turn.error * unit) for turn in need.turns * known]
 
-    folds, unresolved, left, ranges = (
-        list[Change](),
-        list[tuple[float, float]](),
-        _MOST_QUANTITY_VALUES,
-        [(low, high)],
-    )
+    folds = list[Change]()
+    unresolved = list[tuple[float, float]]()
+    left = _MOST_QUANTITY_VALUES
+    ranges = [(low, high)]
     while ranges:
         first, last = ranges.pop()
         left -= NODES
@@ -269,10 +270,8 @@ def _branches(low: float, high: float, rows: list[list[Turn]]) -> list[Piece] | 
 
 def _passed_by(rows: list[list[Turn]]) -> bool:
     """Whether all extrema are farther from the damping there is than they move, those that come or go too."""
-    moved, values = (
-        0.0,
-        [np.clip([turn.value for turn in turns], -_INFINITE_EXTREMUM, _INFINITE_EXTREMUM) for turns in rows],
-    )
+    moved = 0.0
+    values = [np.clip([turn.value for turn in turns], -_INFINITE_EXTREMUM, _INFINITE_EXTREMUM) for turns in rows]
     for before, following in pairwise(values):
         apart = np.abs(before[:, None] - following)
         moved += max(apart.min(axis=0).max(), apart.min(axis=1).max())

@@ -13,7 +13,7 @@ from bisect import bisect_left
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from itertools import compress, pairwise
 from operator import not_
 from typing import Any, NamedTuple, NoReturn
@@ -144,7 +144,10 @@ class CriticalValues(tuple[Critical, ...], TableResult):
     ) -> CriticalValues:  # fmt: skip
         """Make the values a tuple."""
         made = super().__new__(cls, values)
-        made.of, made.unit, made.looked, made.unresolved = of, unit, looked, unresolved
+        made.of = of
+        made.unit = unit
+        made.looked = looked
+        made.unresolved = unresolved
         return made
 
     def __getnewargs__(self) -> tuple[Any, ...]:
@@ -285,7 +288,8 @@ def excess(points: OperatingPoints, c: float, method: Method | None) -> float:
     deadline.check_time()
     try:
         if method is not None and method.criterion is not None:
-            law, weighted = points.law, (method.criterion, points.V)
+            law = points.law
+            weighted = (method.criterion, points.V)
             mean = float(
                 resolved_gauss_average(law.kinetic, *weighted)[0]
             )  # none where a slope overflows, as with huge exponents
@@ -333,6 +337,39 @@ class _QuickSpeeds(NamedTuple):
         return math.log(ratio) if ratio > 0 else -1.0
 
 
+class _Scale(NamedTuple):
+    """The argument by which a quantity is varied: its logarithm, where all its values have one sign.
+
+    - `sign`: that of all values; 0 where they have none in common, and the argument is the quantity itself.
+    """
+
+    low: float
+    high: float
+    sign: float
+
+    @classmethod
+    def of(cls, edges: FloatArray) -> _Scale:
+        low = float(edges[0])
+        high = float(edges[-1])
+        sign = 0.0
+        if low > 0:
+            sign = 1.0
+        elif high < 0:
+            sign = -1.0
+        return cls(low, high, sign)
+
+    def argument(self, x: float) -> float:
+        return self.sign * math.log(self.sign * x) if self.sign else x
+
+    def values(self, u: FloatArray) -> FloatArray:
+        if self.sign:
+            u = self.sign * np.exp(self.sign * u)
+        return np.clip(u, self.low, self.high)
+
+    def value(self, u: float) -> float:
+        return float(self.values(np.asarray(u)))
+
+
 class _Search:
     """The search for the roots of threshold minus c along one quantity or parameter.
 
@@ -344,7 +381,10 @@ class _Search:
     def __init__(
         self, law: FrictionLaw, of: str, values: Mapping[str, float], method: Method | None, rtol: float
     ) -> None:
-        self.law, self.of, self.rtol, self.c = law, of, rtol, values["c"]
+        self.law = law
+        self.of = of
+        self.rtol = rtol
+        self.c = values["c"]
         self.quantities: dict[str, Any] = {name: value for name, value in values.items() if name != "c"}
         given = {"m", "k"} <= self.quantities.keys() | {of}
         if method is not None:
@@ -464,10 +504,12 @@ class _Search:
             if self.method is not None and not self.method.converges:
                 value = evaluate(points, self.method, SIGNS)[0].value
                 return value, SAME * points.slope_scale
-            value, error = none.copy(), np.full(len(points), np.inf)
+            value = none.copy()
+            error = np.full(len(points), np.inf)
             if sketch and len(points) > 1 and points.obstacle is None:
                 computed, _ = evaluate(points, methods()["second_order"], _THRESHOLD_RTOL)
-                value, error = computed.value, computed.relative_error * points.error_base(computed.value)
+                value = computed.value
+                error = computed.relative_error * points.error_base(computed.value)
             far = ~(error <= (_DISTANT * np.abs(value - self.c) if sketch else 0.0))
             rows = np.flatnonzero(far).tolist()
             for row in rows:
@@ -502,10 +544,12 @@ class _Search:
         if not self.is_quantity:
             if not self._usual:
                 raise InputError(f"where to look for {self.of} is not known; give ", _WITHIN)
-            usual, factors = self._usual, np.geomspace(1 / _AROUND, _AROUND, _FEW_LOOKS)
+            usual = self._usual
+            factors = np.geomspace(1 / _AROUND, _AROUND, _FEW_LOOKS)
             if not self._strong(usual).any():  # from there on both ways as far as friction is not too strong
                 strong = np.flatnonzero([self._strong(usual * factor).any() for factor in factors])
-                below, above = strong[strong < _FEW_LOOKS // 2], strong[strong > _FEW_LOOKS // 2]
+                below = strong[strong < _FEW_LOOKS // 2]
+                above = strong[strong > _FEW_LOOKS // 2]
                 factors = factors[below.max(initial=-1) + 1 : above.min(initial=_FEW_LOOKS)]
             return sorted({usual * factors[0], usual, usual * factors[-1]})
         if self.of == "V":
@@ -540,59 +584,65 @@ class _Search:
 
     def _resolved_roots(self, edges: FloatArray) -> tuple[list[Critical], list[tuple[float, float]]]:
         """Return the values at which thresholds pass c, and the intervals in which that is not decided."""
-        sign = -1.0 if edges[-1] < 0 else 1.0 if edges[0] > 0 else 0.0
+        scale = _Scale.of(edges)
 
-        def argument(x: float) -> float:
-            return sign * math.log(sign * x) if sign else x
-
-        def quantity(u: FloatArray | float) -> FloatArray:
-            return np.clip(sign * np.exp(sign * np.asarray(u)) if sign else u, edges[0], edges[-1])
-
-        def value(u: FloatArray) -> Column:
-            value, error = self.thresholds(quantity(u), sketch=False)
+        def column(u: FloatArray, *, sketch: bool) -> Column:
+            value, error = self.thresholds(scale.values(u), sketch=sketch)
             return Column.of(value - self.c, error, _NONE)
 
-        def sketch(u: FloatArray) -> Column:
-            value, error = self.thresholds(quantity(u), sketch=True)
-            return Column.of(value - self.c, error, _NONE)
+        value = partial(column, sketch=False)
+        sketch = partial(column, sketch=True)
+
+        arguments = sorted({scale.argument(x) for x in edges.tolist()})
+        parts, missing = self._stretches(sketch, self._parted(arguments, scale))
+        if not parts:
+            raise NotConverged(f"there is no threshold at any {self.of}; try another method")
+        most = _MOST_THRESHOLDS
+        first: Sampled = sketch
+        if not self.converges:
+            most = _MOST_AVERAGES
+            first = value  # averages have no digits to save
+        resolved = [resolve(value, part, rtol=_THRESHOLD_RTOL, most=most, sketch=first) for part in parts]
+        self._refuse_constant()
+
+        results = list[Critical]()
+        undecided = [(part[0], part[-1]) for part in missing]
+        for stretch in resolved:
+            undecided += stretch.open_at(0.0)
+            undecided += _touching(stretch)
+            for root in stretch.roots():
+                result = self._at_root(root, scale)
+                if result is None:
+                    undecided.append((root.low, root.high))
+                else:
+                    results.append(result)
+        return results, [(scale.value(low), scale.value(high)) for low, high in joined(undecided)]
+
+    def _refuse_constant(self) -> None:
+        """Refuse thresholds that are c everywhere, within their errors."""
+        if not self.sampled:
+            return
+        values, errors = np.array(list(self.sampled.values())).T
+        if (np.abs(values - self.c) <= errors).all():
+            raise NotConverged(f"the threshold is c, within its error, whatever {self.of} is")
+
+    def _at_root(self, root: Root, scale: _Scale) -> Critical | None:
+        """Return the critical value at a root of polynomials through thresholds; None if it is not confirmed."""
+        x = scale.value(root.x)
+        width = min(abs(scale.value(end) - x) for end in (root.low, root.high))
+        result = self._confirmed(x, width)
+        if result is not None:
+            return result
 
         def off(u: float) -> float:
-            x = float(quantity(u))
+            x = scale.value(u)
             gap = excess(self.at(x), self.c, self.method)
-            return min(max(gap, -1.0), 1.0) if not math.isnan(gap) else self._no_threshold(x)
+            if math.isnan(gap):
+                self._no_threshold(x)
+            return min(max(gap, -1.0), 1.0)
 
-        arguments = sorted({argument(x) for x in edges.tolist()})
-        arguments = self._parted(arguments, quantity)
-        stretches, missing = self._stretches(sketch, arguments)
-        if not stretches:
-            raise NotConverged(f"there is no threshold at any {self.of}; try another method")
-        most, first = (
-            (_MOST_THRESHOLDS, sketch) if self.converges else (_MOST_AVERAGES, value)
-        )  # averages have no digits to save
-        resolved = [resolve(value, part, rtol=_THRESHOLD_RTOL, most=most, sketch=first) for part in stretches]
-        if self.sampled:
-            values, errors = np.array(list(self.sampled.values())).T
-            if (np.abs(values - self.c) <= errors).all():
-                raise NotConverged(f"the threshold is c, within its error, whatever {self.of} is")
-        results, unconfirmed = list[Critical](), list[tuple[float, float]]()
-        for root in (root for stretch in resolved for root in stretch.roots()):
-            width = min(abs(float(quantity(u) - quantity(root.x))) for u in root[1:])
-            result = self._confirmed(float(quantity(root.x)), width)
-            if result is None:
-                polished = _polished(off, root)
-                result = None if polished is None else self._result(float(quantity(polished)))
-            if result is None:
-                unconfirmed.append((root.low, root.high))
-            else:
-                results.append(result)
-        open_ends = [
-            *((part[0], part[-1]) for part in missing),
-            *(ends for stretch in resolved for ends in stretch.open_at(0.0)),
-            *(ends for stretch in resolved for ends in _touching(stretch)),
-            *unconfirmed,
-        ]
-        unresolved = [quantity(np.array(ends)).tolist() for ends in joined(open_ends)]
-        return results, [(low, high) for low, high in unresolved]
+        polished = _polished(off, root)
+        return None if polished is None else self._result(scale.value(polished))
 
     def _confirmed(self, x: float, width: float) -> Critical | None:
         """Return the root beside one of a polynomial, if the slip from P returns on one side of it only.
@@ -614,7 +664,7 @@ class _Search:
 
     # -- where the law varies quickly --------------------------------------------------------------
 
-    def _parted(self, arguments: list[float], quantity: Callable[[float], FloatArray]) -> list[float]:
+    def _parted(self, arguments: list[float], scale: _Scale) -> list[float]:
         """Part a range where the slip speeds of the orbit that grazes come to one near which mu varies quickly.
 
         Thresholds may turn, jump, or begin anew there as a power of the distance.
@@ -622,7 +672,7 @@ class _Search:
         - `arguments`: ascending; they part the range already.
         """
         u = nodes(np.array(arguments[:-1]), np.array(arguments[1:])).ravel()
-        seen = [self._quick(float(quantity(one))) for one in u.tolist()]
+        seen = [self._quick(scale.value(one)) for one in u.tolist()]
         edges = set(arguments)
         for (low, before), (high, after) in pairwise(zip(u.tolist(), seen, strict=True)):
             if len(before.speeds) != len(after.speeds):
@@ -631,7 +681,7 @@ class _Search:
                 for i in range(*sorted((before.met[side], after.met[side]))):
 
                     def off(u: float, side: int = side, i: int = i) -> float:
-                        return self._quick(float(quantity(u))).distance(side, i)
+                        return self._quick(scale.value(u)).distance(side, i)
 
                     if off(low) * off(high) < 0:
                         edges.add(float(brentq(off, low, high, xtol=_MEETS * max(abs(low), abs(high)))))
@@ -671,7 +721,8 @@ class _Search:
 
         - `arguments`: ascending; they part the range further.
         """
-        low, high = np.array(arguments[:-1]), np.array(arguments[1:])
+        low = np.array(arguments[:-1])
+        high = np.array(arguments[1:])
         u = nodes(low, high).ravel()
         missing = ~value(u).known
         ends = [arguments[0]]
@@ -692,7 +743,9 @@ class _Search:
 
     def _polynomial_roots(self, criterion: Criterion) -> list[float] | None:
         """Return the roots of an average that is a polynomial in what is sought, or None."""
-        law, N, V = self.law, self.quantities.get("N", 1.0), np.array([self.quantities.get("V", 1.0)])
+        law = self.law
+        N = self.quantities.get("N", 1.0)
+        V = np.array([self.quantities.get("V", 1.0)])
         coefficients: Any
         if self.of == "N":
             coefficients = [0.0, float(fast_average(law, criterion, V)[0])]
@@ -791,8 +844,10 @@ def _polished(function: Callable[[float], float], root: Root) -> float | None:
     if root.low == root.high:
         return root.x if function(root.x - step) * function(root.x + step) < 0 else None
     while True:
-        low, high = max(root.low, root.x - step), min(root.high, root.x + step)
-        below, above = function(low), function(high)
+        low = max(root.low, root.x - step)
+        high = min(root.high, root.x + step)
+        below = function(low)
+        above = function(high)
         if below != above and below * above <= 0:
             tolerance = SIGNS * max(1.0, abs(root.x))
             return float(brentq(function, low, high, xtol=tolerance))

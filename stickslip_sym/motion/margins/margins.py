@@ -203,7 +203,10 @@ def margins_of(
     *, samples: int, reach: float, each: float | None,
 ) -> Margins:  # fmt: skip
     """Return margins as `margins` does, about a threshold that is there; `c` is the damping with its error."""
-    law, rows, refused, open_ = threshold.points.law, list[Margin](), dict[str, str](), {}
+    law = threshold.points.law
+    rows = list[Margin]()
+    refused = dict[str, str]()
+    open_ = {}
     quantities = asdict(osc)
     values = quantities | {name: float(value) for name, value in law.values.items()}
     with steps([name for name, value in values.items() if value], "margins of {}".format) as names:

@@ -35,7 +35,7 @@ from stickslip_sym.model.table import FrictionTable
 from stickslip_sym.motion.kernel.slip_data import ADDED, PRECISE
 from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.numerics.known import Column, Unknown
-from stickslip_sym.numerics.resolved import resolve
+from stickslip_sym.numerics.resolved import Resolved, Root, resolve
 from stickslip_sym.numerics.subdivide import joined
 
 _NEAREST_OVER_REACH, _RELATIVE_STICK_WIDTH = (
@@ -158,6 +158,7 @@ def rounds_outside(system: NondimensionalOscillator, rtol: float) -> Rounds:
     if bound <= 0:
         return Rounds((), (-1,))
     bound = min(bound, reach(system))
+
     from_P = system.rounds(np.zeros(1), rtol, few=0)
     check_time()
     first = from_P.ends.at(0)
@@ -166,6 +167,7 @@ def rounds_outside(system: NondimensionalOscillator, rtol: float) -> Rounds:
     if first >= bound:  # as where it moves away for ever
         return Rounds((), (1,))
     far = min(bound, _FARTHEST_DISPLACEMENT * max(1.0, first))
+
     if system.table.static == 0 and not from_P.slower[0]:
         inner, low = _sink(system, first, far, rtol)
     elif first == 0:
@@ -175,6 +177,7 @@ def rounds_outside(system: NondimensionalOscillator, rtol: float) -> Rounds:
         low = _SHARE_OF_FIRST_ROUND * first
     if low >= far:
         return inner
+
     outer = _rounds_between(system, low, far, rtol)
     marks = (*inner.marks, *outer.marks)
     growth = (*inner.growth[:-1], *outer.growth)
@@ -205,13 +208,21 @@ def _rounds_that_stick(system: NondimensionalOscillator, far: float, rtol: float
     if at_low <= 0:
         return Rounds((), (-1,)), far
     if at_inside > 0:
-        inside, low, at_low = 0.0, inside, at_inside
+        low = inside
+        at_low = at_inside
+        inside = 0.0
+
     while at_low > inside and low > inside * (1 + _RELATIVE_STICK_WIDTH) and inside > 0:
         middle = math.sqrt(inside * low)
         R = _end_of_round(system, middle, rtol)
         if isinstance(R, Unknown):
             break
-        inside, low, at_low = (middle, low, at_low) if R <= 0 else (inside, middle, R)
+        if R <= 0:
+            inside = middle
+        else:
+            low = middle
+            at_low = R
+
     if at_low > inside:
         return Rounds((FixedPoint(inside, low, "jump"),), (-1, 1)), low
     return Rounds((), (-1,)), low
@@ -235,14 +246,17 @@ def _sink(system: NondimensionalOscillator, first: float, far: float, rtol: floa
     while beyond > low * (1 + _RELATIVE_STICK_WIDTH):
         middle = math.sqrt(low * beyond)
         R = _end_of_round(system, middle, rtol)
-        comes_in = not isinstance(R, Unknown) and middle / _SINK_RATIO >= R
-        low, beyond = (middle, beyond) if comes_in else (low, middle)
-    slips = [
-        system.slips(np.zeros(1), np.zeros(1), passes=1, rtol=each, few=0)
-        for each in (rtol, max(rtol / 10, PRECISE))
-    ]
-    periods = [slip.tau.item() for slip in slips]
-    kind: Kind = "cycle" if abs(periods[0] - periods[1]) <= _SAME_PERIOD * periods[0] else "open"
+        if not isinstance(R, Unknown) and middle / _SINK_RATIO >= R:
+            low = middle
+        else:
+            beyond = middle
+
+    def period(rtol: float) -> float:
+        return float(system.slips(np.zeros(1), np.zeros(1), passes=1, rtol=rtol, few=0).tau.item())
+
+    by_steps = period(rtol)
+    known = abs(by_steps - period(max(rtol / 10, PRECISE))) <= _SAME_PERIOD * by_steps
+    kind: Kind = "cycle" if known else "open"
     return Rounds((FixedPoint(0.0, low / _SINK_RATIO, kind),), (1, -1)), low
 
 
@@ -259,9 +273,10 @@ def _rounds_between(system: NondimensionalOscillator, low: float, far: float, rt
             errors = 2 * q * ends.errors / (R + q) ** 2
         return Column.of(grown, np.maximum(np.nan_to_num(errors), least), _LOST)
 
-    marks = list[FixedPoint]()
     least = ADDED * rtol
     growths = resolve(growth, [math.log(low), math.log(far)], rtol=least, most=_MOST_ROUNDS)
+
+    marks = list[FixedPoint]()
     for begin, end in np.exp(joined(one[:2] for one in growths.open)).tolist():
         R = system.rounds(np.array([begin, end]), rtol, few=0).ends
         passes = R.surely(below=begin)[1] or R.surely(above=end)[0]
@@ -270,13 +285,25 @@ def _rounds_between(system: NondimensionalOscillator, low: float, far: float, rt
     folds = [math.exp(turn.x) for turn in growths.turns[1:-1] if abs(turn.value) <= turn.error]
     marks += [FixedPoint(q, q, "open") for q in folds]  # two cycles, or none
     for root in growths.roots():
-        off, before, after = (abs(growths(x)) > least for x in root)
-        kind: Kind = "jump" if off else "cycle" if before and after else "open"  # within errors
-        if growths(root.low) > 0 > growths(root.high) and before and after:
-            kind = "cycle"  # R never falls, and so does not jump there: it is all but constant
-        marks.append(FixedPoint(math.exp(root.x), math.exp(root.x), kind))
+        q = math.exp(root.x)
+        marks.append(FixedPoint(q, q, _kind_of_root(growths, root, least)))
     marks.sort()
+
+    directions = list[int]()
     begins = [low, *(mark.high for mark in marks)]
-    lasts = [*(mark.low for mark in marks), far]
-    between = [growths((math.log(begin) + math.log(end)) / 2) for begin, end in zip(begins, lasts, strict=True)]
-    return Rounds(tuple(marks), tuple(int(np.sign(value)) * (abs(value) > least) for value in between))
+    ends = [*(mark.low for mark in marks), far]
+    for begin, end in zip(begins, ends, strict=True):
+        between = growths((math.log(begin) + math.log(end)) / 2)
+        directions.append(int(np.sign(between)) * (abs(between) > least))
+    return Rounds(tuple(marks), tuple(directions))
+
+
+def _kind_of_root(growths: Resolved, root: Root, least: float) -> Kind:
+    """Return what lies at a root of (R - q)/(R + q), known within `least`."""
+    off, before, after = (growths(x) for x in root)
+    if abs(before) > least and abs(after) > least:
+        if before > 0 > after:
+            return "cycle"  # R never falls, and so does not jump there: it is all but constant
+        if abs(off) <= least:
+            return "cycle"
+    return "jump" if abs(off) > least else "open"
