@@ -6,6 +6,7 @@ What is written here are the steps that were carried out, each with the data of 
 """
 
 import re
+from collections import abc
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from textwrap import shorten
@@ -134,15 +135,15 @@ class _Claim:
         """Define symbols, those with the same assumption on one line."""
         kinds: dict[str, list[str]] = {}
         for x in fresh:
-            bounds = [p for p in self.form.conditions if p.lhs == x]
-            if bounds and bounds[0].rhs.is_number:
-                yield from self._declare_above(x, bounds[0])
+            bound = next((p for p in self.form.conditions if p.lhs == x), None)
+            if bound is not None and bound.rhs.is_number:
+                yield from self._declare_above(x, bound)
                 continue
+
             kind = next((kind for kind in _KINDS if getattr(x, f"is_{kind}")), "real")
             kinds.setdefault(kind, []).append(self._name(x))
         for kind, names in kinds.items():
-            maker = "sp.symbols" if len(names) > 1 else "Symbol"
-            yield script_line(f'{", ".join(names)} = {maker}("{" ".join(names)}", {kind}=True)')
+            yield _symbols(names, f", {kind}=True")
 
     def _declare_above(self, x: Expr, bound: Expr) -> Iterator[str]:
         """Define a parameter by a positive number, the least that it may be added: a condition for an average."""
@@ -205,51 +206,55 @@ class _Claim:
         yield "\n".join(["terms = [", *map(script_line, rows), "]"]) if rows else "terms = []"
 
     def _row(self, term: Term, average: Average | None) -> str:
-        profile = "sp.Integer(1)"
-        parts = "[]"
-        if average is not None:
-            number = self.parts[average]
-            profile = f"g{number}"
-            parts = f"parts{number}"
-        amplitude = term.amplitude if average is not None else term.expr
-        scale = term.scale if average is not None else sp.S.One
-        shapes = ", ".join(f"{self.names[x]}: {self.exact(value)}" for x, value in self._shapes(term))
-        return f"({self.exact(amplitude)}, {self.exact(scale)}, {{{shapes}}}, {profile}, {parts})"
+        shapes = self._shapes(term)
+        if average is None:
+            return f"({self.exact(term.expr)}, sp.Integer(1), {{{shapes}}}, sp.Integer(1), [])"
+        number = self.parts[average]
+        return f"({self.exact(term.amplitude)}, {self.exact(term.scale)}, {{{shapes}}}, g{number}, parts{number})"
 
-    def _shapes(self, term: Term) -> list[tuple[Expr, Expr]]:
-        return [(x, value) for x, value in term.shapes.items() if x in self.names]
+    def _shapes(self, term: Term) -> str:
+        shapes = [(self.names[x], value) for x, value in term.shapes.items() if x in self.names]
+        return ", ".join(f"{name}: {self.exact(value)}" for name, value in shapes)
 
     def _average(self, average: Average) -> Iterator[str]:
         """Write what is known of the average of one profile."""
         number = self.parts[average] = str(len(self.parts) + 1)
         yield from self.declare(*(x for x in average.shapes if x not in self.names))
         yield self.let(f"g{number}", _folded(average.profile))
+
         parts = []
         for i, step in enumerate(average.steps):
-            label = number if len(average.steps) == 1 else f"{number}_{i + 1}"
-            profile = f"g{number}"
+            label = number
             if len(average.steps) > 1:
-                profile = f"g{label}"
-                yield self.let(profile, _folded(self._part_of(average, step)))
-            if step.verdict.status is not Status.PROVED:
-                yield "# Of this average no proof is known here"
-                yield self.let(f"F{label}", step.statement.rhs)
-                parts.append(f'("compared", {profile}, F{label})')
-            elif isinstance(step.by, PieceByPiece):
-                yield from self._antiderivatives(average, step.by, label)
-                names = ", ".join(f"A{label}_{i}" for i in range(len(step.by.primitives)))
-                parts.append(f'("antiderivatives", {profile}, [{names}])')
-            elif isinstance(step.by, AverageSeries) and step.by.proof is not None and not _is_power(step.by.term):
-                yield from self._series(average, step.by, step.by.proof, label)
-                constant = self.exact(average.in_shapes(step.by.constant))
-                parts.append(f'("series", {profile}, {constant}, *proof{label})')
-            elif isinstance(step.by, AverageSeries):
-                parts.append(f'("moments", {profile})')
-            elif isinstance(step.by, Differentiated):
-                yield from self._average(step.by.source)
-                of = self.parts[step.by.source]
-                parts.append(f'("derivative", {profile}, g{of}, parts{of}, {self._name(step.by.variable)})')
+                label = f"{number}_{i + 1}"
+                yield self.let(f"g{label}", _folded(self._part_of(average, step)))
+            kind, *data = yield from self._proof(average, step, label)
+            parts.append(f'("{kind}", {", ".join([f"g{label}", *data])})')
         yield script_line(f"parts{number} = [{', '.join(parts)}]")
+
+    def _proof(self, average: Average, step: Step, label: str) -> abc.Generator[str, None, list[str]]:
+        """Write the data that prove the average of one part, and return its kind and the names of the data."""
+        by = step.by if step.verdict.status is Status.PROVED else None
+        if isinstance(by, PieceByPiece):
+            names = [f"A{label}_{i}" for i in range(len(by.primitives))]
+            for name, primitive in zip(names, by.primitives, strict=True):
+                yield self.let(name, average.in_shapes(primitive))
+            return ["antiderivatives", f"[{', '.join(names)}]"]
+
+        if isinstance(by, Differentiated):
+            yield from self._average(by.source)
+            of = self.parts[by.source]
+            return ["derivative", f"g{of}", f"parts{of}", self._name(by.variable)]
+
+        if isinstance(by, AverageSeries):
+            if by.proof is None or _is_power(by.term):
+                return ["moments"]
+            yield from self._series(average, by, by.proof, label)
+            return ["series", self.exact(average.in_shapes(by.constant)), f"*proof{label}"]
+
+        yield "# Of this average no proof is known here"
+        yield self.let(f"F{label}", step.statement.rhs)
+        return ["compared", f"F{label}"]
 
     def _part_of(self, average: Average, step: Step) -> Expr:
         """Return the part of a profile that a step is about."""
@@ -261,10 +266,6 @@ class _Claim:
             return average.in_shapes(integral.function / self.criterion.kernel)
         speed = symbols.V * (1 - sp.cos(symbols.theta))
         return average.in_shapes((integral.function / self.criterion.angle_kernel).subs(speed, symbols.v))
-
-    def _antiderivatives(self, average: Average, by: PieceByPiece, label: str) -> Iterator[str]:
-        for i, primitive in enumerate(by.primitives):
-            yield self.let(f"A{label}_{i}", average.in_shapes(primitive))
 
     def _series(self, average: Average, by: AverageSeries, proof: SeriesProof, label: str) -> Iterator[str]:
         """Write the equations of g and of its average, and y = V F(V) in functions of V with their slopes."""
@@ -289,12 +290,13 @@ class _Claim:
                 roots.append(f"{name}: {in_code(made.square)}")
         (n,) = proof.operator[0].gens
         self.names[n] = "n"
-        what = "functions of V, their slopes" + (", and the squares of roots" if roots else "")
-        yield (
-            "\n".join([f"functions{label} = {{  # {what}", *functions, "}"])
-            if rows
-            else f"functions{label} = {{}}"
-        )
+        what = "functions of V, their slopes"
+        if roots:
+            what += ", and the squares of roots"
+        if functions:
+            yield "\n".join([f"functions{label} = {{  # {what}", *functions, "}"])
+        else:
+            yield f"functions{label} = {{}}"
         yield script_line(f"roots{label} = {{{', '.join(roots)}}}")
         yield self.let(f"y{label}", proof.product.algebra.by_names(proof.product))
         yield "# sum a_i g^(i) = rest; the q_k of V F; how many terms they leave open; V F; its functions"
@@ -311,8 +313,12 @@ class _Claim:
                 fresh.append(self.generators[meaning])
             self.names[made.symbol] = self.generators[meaning]
         if fresh:
-            maker = "sp.symbols" if len(fresh) > 1 else "Symbol"
-            yield script_line(f'{", ".join(fresh)} = {maker}("{" ".join(fresh)}")')
+            yield _symbols(fresh)
+
+
+def _symbols(names: Sequence[str], assumption: str = "") -> str:
+    maker = "sp.symbols" if len(names) > 1 else "Symbol"
+    return script_line(f'{", ".join(names)} = {maker}("{" ".join(names)}"{assumption})')
 
 
 def _folded(profile: Expr) -> Expr:
@@ -358,9 +364,11 @@ def _expand_generators(rows: Sequence[Generator]) -> Mapping[Expr, Expr | tuple[
         if made.meaning.is_Mul and last is not None:
             k += 1
             meanings[made.symbol] = last, k
-        else:
-            meanings[made.symbol] = made.meaning
-            last, k = (made.symbol, 0) if isinstance(made.meaning, sp.hyper) else (None, 0)
+            continue
+
+        meanings[made.symbol] = made.meaning
+        last = made.symbol if isinstance(made.meaning, sp.hyper) else None
+        k = 0
     return meanings
 
 
