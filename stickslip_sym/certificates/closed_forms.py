@@ -342,7 +342,9 @@ def _solve_conditions(expr: Expr, x: Expr) -> Expr:
         if rate.has(x) or not rate.is_negative:
             return holds
         place = sp.factor(-gap.subs(x, 0) / rate)
-        return x < place if isinstance(holds, sp.StrictLessThan | sp.StrictGreaterThan) else x <= place
+        if isinstance(holds, sp.StrictLessThan | sp.StrictGreaterThan):
+            return x < place
+        return x <= place
 
     def in_order(*cases: Expr) -> Expr:
         return sp.Piecewise(*((piece, solved(holds)) for piece, holds in cases), evaluate=False)

@@ -46,7 +46,9 @@ class LawInFlint:
         """The law's parameters, exact, by their names."""
         items = [f'"{self._names[symbol]}": {flint_rational(value)}' for symbol, value in self._law.values]
         line = f"{{{', '.join(items)}}}"
-        return line if len(line) <= WIDTH - 20 else "\n    ".join(["{", *(f"{item}," for item in items)]) + "\n}"
+        if len(line) <= WIDTH - 20:
+            return line
+        return "\n    ".join(["{", *(f"{item}," for item in items)]) + "\n}"
 
     @property
     def pieces(self) -> list[Expr]:
@@ -90,18 +92,24 @@ class LawInFlint:
 
 def flint_rational(value: Rational) -> str:
     """Return an exact rational."""
-    return f"fmpq({value})" if value.is_Integer else f"fmpq({value.p}, {value.q})"
+    if value.is_Integer:
+        return f"fmpq({value})"
+    return f"fmpq({value.p}, {value.q})"
 
 
 def flint_number(value: Rational) -> str:
     """Return an exact rational as a ball."""
-    return f"arb({value})" if value.is_Integer else f"arb(fmpq({value.p}, {value.q}))"
+    if value.is_Integer:
+        return f"arb({value})"
+    return f"arb(fmpq({value.p}, {value.q}))"
 
 
 def listed(items: Sequence[str], width: int = WIDTH) -> str:
     """Return a list, on one line where that is short enough."""
     line = f"[{', '.join(items)}]"
-    return line if len(line) <= width else "\n    ".join(["[", *(f"{item}," for item in items)]) + "\n]"
+    if len(line) <= width:
+        return line
+    return "\n    ".join(["[", *(f"{item}," for item in items)]) + "\n]"
 
 
 class _Flint(StrPrinter):  # type: ignore[misc]  # SymPy is untyped

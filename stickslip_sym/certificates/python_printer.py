@@ -75,7 +75,9 @@ class _Powers(ast.NodeTransformer):
         node.left, node.right = operands
         sides = [ast.unparse(operand) for operand in operands]
         simple = re.fullmatch(r"\w+", sides[0]) and re.fullmatch(r"-?\w+", sides[1])
-        return ast.Name(f"{sides[0]}**{sides[1]}") if simple else node
+        if simple:
+            return ast.Name(f"{sides[0]}**{sides[1]}")
+        return node
 
     def _enclosed(self, node: ast.AST) -> ast.Call:
         return ast.Call(ast.Name("_"), [self.visit(node)], [])

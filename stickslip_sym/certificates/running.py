@@ -60,4 +60,6 @@ def _run_program(command: list[str], text: str, folder: str | None = None) -> "s
 
 def _last_line(text: str) -> str:
     lines = text.strip().splitlines()
-    return lines[-1][:200] if lines else "it says nothing"
+    if lines:
+        return lines[-1][:200]
+    return "it says nothing"

@@ -157,7 +157,9 @@ def law_described(given: Given | Mapping[str, Any], text: str | None) -> ss.Fric
     else:
         described = {name: given[name] for name in ("name", "source")}
         return ss.FrictionLaw(text, static=static, units=given["unit"], **described)
-    return law if static is None else law.with_static(static, units=given["unit"])
+    if static is None:
+        return law
+    return law.with_static(static, units=given["unit"])
 
 
 def reading_of(given: Given | Mapping[str, Any]) -> dict[str, Any]:
@@ -168,4 +170,6 @@ def reading_of(given: Given | Mapping[str, Any]) -> dict[str, Any]:
 
 def criteria_of(name: str) -> list[ss.Criterion]:
     """Return the criterion of a name, or every one for "all"."""
-    return list(ss.criteria.catalogue.values()) if name == "all" else [ss.criteria.find(name)]
+    if name == "all":
+        return list(ss.criteria.catalogue.values())
+    return [ss.criteria.find(name)]

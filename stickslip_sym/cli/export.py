@@ -110,7 +110,9 @@ def run(given: Given) -> None:
 
 def _function_name(kind: str, path: Path) -> str:
     """Return the name of a function in a file: Octave finds it by that of the file."""
-    return path.stem if kind == "octave" and path.suffix == ".m" else "damping"
+    if kind == "octave" and path.suffix == ".m":
+        return path.stem
+    return "damping"
 
 
 def _laws_to_export(given: Given) -> list[ss.FrictionLaw]:

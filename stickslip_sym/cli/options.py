@@ -77,7 +77,9 @@ def option(*names: str, read: Reader | None = None, default: Any = None, **more:
         if len(texts) > 1:  # the last would win without a word
             raise InputError(f"{name} is given twice; give it once")
         text = texts[0] if texts else default
-        return read(text, name) if read is not None and isinstance(text, str) else text
+        if read is not None and isinstance(text, str):
+            return read(text, name)
+        return text
 
     kind = more.pop("cls", click.Option)
     made: click.Option = kind(names, multiple=True, callback=value, **more)
@@ -148,7 +150,9 @@ def read_range(text: str, name: str, *, of: str, unit: str | None = None, half: 
 
 def unit_of_option(law: ss.FrictionLaw, name: str) -> str | None:
     """Return the unit that numbers of a quantity or a parameter may have: empty for any, None for its own."""
-    return (law.parameters[name].unit or "") if name in law.parameters else None
+    if name in law.parameters:
+        return law.parameters[name].unit or ""
+    return None
 
 
 def read_file(text: str, name: str, *, endings: Sequence[str]) -> Path:

@@ -62,7 +62,9 @@ def show_progress(what: str) -> Iterator[None]:
 
 def _progress_text(step: StepOfWork) -> str:
     words = step.what if len(step.what) <= _MOST_STEP_CHARACTERS else f"{step.what[:_MOST_STEP_CHARACTERS]}..."
-    return f"{words} ({step.done} of {step.total})" if step.total > 1 else words
+    if step.total > 1:
+        return f"{words} ({step.done} of {step.total})"
+    return words
 
 
 def say(text: str) -> None:

@@ -13,7 +13,9 @@ def option_wording(remedy: Remedy, context: click.Context) -> str:
     match remedy:
         case Name(name):
             option = _option(name)
-            return option if len(name) > 1 and option in _options(context, context.invoked_subcommand) else name
+            if len(name) > 1 and option in _options(context, context.invoked_subcommand):
+                return option
+            return name
         case Argument(name, dict(entries)):  # one option for each
             return " ".join(_given(context, name.removesuffix("s"), _pair(*entry)) for entry in entries.items())
         case Argument(name, tuple(ends)):
@@ -60,11 +62,15 @@ def _options(context: click.Context, command: str | None) -> set[str]:
     if command is None or not isinstance(context.command, click.Group):
         return set()
     given = context.command.get_command(context, command)
-    return set() if given is None else {text for parameter in given.params for text in parameter.opts}
+    if given is None:
+        return set()
+    return {text for parameter in given.params for text in parameter.opts}
 
 
 def _option(name: str) -> str:
-    return f"-{name}" if len(name) == 1 else f"--{name.replace('_', '-')}"
+    if len(name) == 1:
+        return f"-{name}"
+    return f"--{name.replace('_', '-')}"
 
 
 def _pair(name: str, value: object) -> str:

@@ -137,7 +137,9 @@ class Decision(DataResult):
     @property
     def probability_in_words(self) -> str | None:
         """The probability as every place shows it, like "> 0.999" or "= 0.87"."""
-        return None if self.probability is None else self._in_words(self.probability)
+        if self.probability is None:
+            return None
+        return self._in_words(self.probability)
 
     @property
     def least(self) -> float:
@@ -151,7 +153,9 @@ class Decision(DataResult):
     @property
     def range_in_words(self) -> str:
         """The range as text; empty if there is none."""
-        return interval_text(*self.range) if self.range is not None else ""
+        if self.range is not None:
+            return interval_text(*self.range)
+        return ""
 
     @property
     def statement(self) -> str:
@@ -226,7 +230,9 @@ def chance_in_words(chance: float, least: float) -> str:
     """Return a probability to two digits, or that it is below the least, or above one less it."""
     if chance < least:
         return f"< {least:g}"
-    return f"> {1 - least:g}" if chance > 1 - least else f"{chance:.2g}"
+    if chance > 1 - least:
+        return f"> {1 - least:g}"
+    return f"{chance:.2g}"
 
 
 def value_text(value: float, error: float | None) -> str:

@@ -29,7 +29,9 @@ def plane(law: FrictionLaw, given: Mapping[str, float | UFloat], speed: float) -
         try:
             threshold = pure_slip_damping(law, V=V, N=given["N"], m=given["m"], k=given["k"], rtol=_CURVE_RTOL)
         except (NotConverged, NoThreshold):
-            return np.full((2, 1), np.nan) if len(V) == 1 else np.hstack([exact(speed) for speed in V[:, None]])
+            if len(V) == 1:
+                return np.full((2, 1), np.nan)
+            return np.hstack([exact(speed) for speed in V[:, None]])
         spread = 0.0 if threshold.budget is None else threshold.budget.uncertainty
         return np.array([threshold.value, np.broadcast_to(spread, V.shape)])
 

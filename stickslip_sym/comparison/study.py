@@ -125,7 +125,9 @@ class Study(Report, DataResult):
     @property
     def budget(self) -> Budget | None:
         """Which standard error brings how much of the threshold's; None where none does, or it was not found."""
-        return None if self.threshold is None or self.sensitivity is None else self.threshold.budget
+        if self.threshold is None or self.sensitivity is None:
+            return None
+        return self.threshold.budget
 
     @cached_property
     def decision(self) -> Decision | None:
@@ -206,7 +208,9 @@ class Study(Report, DataResult):
         """How the decision is coloured; vibration beyond the belt's speed counts as stick-slip."""
         motions = self.regime
         if self._contradicted:
-            return "rests" if self.decision is not None and self.decision.below is False else "either"
+            if self.decision is not None and self.decision.below is False:
+                return "rests"
+            return "either"
         if motions is None or motions.coexist or motions.undecided:
             return "either"
         if motions.stick_slip or motions.unbounded or any(cycle.stable for cycle in motions.overtaking):
@@ -259,7 +263,9 @@ class Study(Report, DataResult):
     def value(self, name: str) -> float:
         """Return the value of a quantity or a parameter in SI units."""
         known = self.law.values
-        return float(known[name]) if name in known else float(getattr(self.oscillator, name))
+        if name in known:
+            return float(known[name])
+        return float(getattr(self.oscillator, name))
 
     def standard_error(self, name: str) -> float | None:
         """Return the standard error of a quantity or a parameter; None if it carries none."""

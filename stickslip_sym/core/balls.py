@@ -129,7 +129,9 @@ class _Balls:
             value = function.ball(*balls)
         elif self.otherwise is None or not isinstance(node, sp.Function):
             raise _not_enclosed(node.func)
-        return value if self.otherwise is None or value.is_finite() else self.otherwise(node, balls)
+        if self.otherwise is None or value.is_finite():
+            return value
+        return self.otherwise(node, balls)
 
     def _applied(self, node: Expr, parts: Iterable[Callable[..., Any]]) -> Callable[..., Any]:
         """Return a node as a function, from its arguments as functions."""
@@ -170,7 +172,9 @@ class _Balls:
 
     def apply(self, function: Function, arguments: list[Any], analytic: bool) -> Any:
         """Return the value of a function of the table."""
-        return _NOWHERE if analytic and function.cut(*arguments) else cast(Any, function.ball)(*arguments)
+        if analytic and function.cut(*arguments):
+            return _NOWHERE
+        return cast(Any, function.ball)(*arguments)
 
 
 class _Series(_Balls):
@@ -209,7 +213,9 @@ def _whole_power(z: Z, exponent: int) -> Z:
     if exponent == 1:
         return z
     half = _whole_power(z, exponent // 2)
-    return half * half * z if exponent % 2 else half * half
+    if exponent % 2:
+        return half * half * z
+    return half * half
 
 
 def integrated(integrand: BallFunction, low: acb, high: acb, **bounds: Any) -> acb:
@@ -287,7 +293,9 @@ def _rationals(point: Mapping[Expr, Expr], *, endless: bool = False) -> Callable
             number = parts[0] ** parts[1]
         else:
             return None
-        return number if number.is_Rational or (endless and number in (sp.oo, -sp.oo)) else None
+        if number.is_Rational or (endless and number in (sp.oo, -sp.oo)):
+            return number
+        return None
 
     return value
 

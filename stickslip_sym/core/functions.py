@@ -549,7 +549,9 @@ def must_be_positive(expr: Expr) -> Sequence[Expr] | None:
     known = row(expr)
     if expr.is_Add or expr.is_Mul or (known is not None and known.analytic):
         return ()
-    return None if known is None else known.domain(*expr.args)
+    if known is None:
+        return None
+    return known.domain(*expr.args)
 
 
 _ANY = sp.Wild("a")
@@ -558,7 +560,9 @@ _ANY = sp.Wild("a")
 @lru_cache
 def write_sech(expr: Expr) -> Expr:
     """Write 1 - tanh^2 as sech^2, which does not cancel."""
-    return expr.replace(1 - sp.tanh(_ANY) ** 2, sp.sech(_ANY) ** 2) if expr.has(sp.tanh) else expr
+    if expr.has(sp.tanh):
+        return expr.replace(1 - sp.tanh(_ANY) ** 2, sp.sech(_ANY) ** 2)
+    return expr
 
 
 def write_erfcx(expr: Expr) -> Expr:
@@ -572,7 +576,9 @@ def write_erfcx(expr: Expr) -> Expr:
                     return product / factor / other * Erfcx(x)
         return product
 
-    return expr.replace(lambda node: node.is_Mul, scaled) if expr.has(sp.erfc) else expr
+    if expr.has(sp.erfc):
+        return expr.replace(lambda node: node.is_Mul, scaled)
+    return expr
 
 
 def elementary(expr: Expr) -> Expr:

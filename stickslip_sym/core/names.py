@@ -20,4 +20,6 @@ def lookup(kind: str, name: str, table: Mapping[str, T]) -> T:
 def suggestion(wrong: str, known: Mapping[str, object] | list[str]) -> str:
     """Return ' (did you mean ...?)' when a known name is close to the wrong one, else an empty text."""
     close = get_close_matches(wrong, list(known), n=1, cutoff=0.6)
-    return f" (did you mean {close[0]!r}?)" if close else ""
+    if close:
+        return f" (did you mean {close[0]!r}?)"
+    return ""

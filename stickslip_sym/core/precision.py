@@ -81,7 +81,9 @@ def middle_in_mpmath(value: arb | acb) -> Mpf:
     if isinstance(value, acb):
         real = middle_in_mpmath(value.real)
         imaginary = middle_in_mpmath(value.imag)
-        return mp.make_mpc((real._mpf_, imaginary._mpf_)) if imaginary else real
+        if imaginary:
+            return mp.make_mpc((real._mpf_, imaginary._mpf_))
+        return real
     mantissa, exponent = value.mid().man_exp()
     return mp.ldexp(int(mantissa), int(exponent))
 

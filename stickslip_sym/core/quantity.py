@@ -46,4 +46,6 @@ class QuantityResult(NDArrayOperatorsMixin):
         return float(self.value)
 
     def __format__(self, specification: str) -> str:
-        return format(float(self), specification) if specification else str(self)
+        if specification:
+            return format(float(self), specification)
+        return str(self)

@@ -131,14 +131,18 @@ class polylog(sp.polylog):  # type: ignore[misc]  # noqa: N801  # SymPy is untyp
     @classmethod
     def eval(cls, s: Expr, z: Expr) -> Expr | None:
         """Evaluate where it is known."""
-        return super().eval(s, z) if z in (-1, 0, 1) or (s, z) == (2, sp.I) else None
+        if z in (-1, 0, 1) or (s, z) == (2, sp.I):
+            return super().eval(s, z)
+        return None
 
     def fdiff(self, argindex: int = 2) -> Expr:
         """Differentiate with respect to z."""
         if argindex != 2:
             return super().fdiff(argindex)
         s, z = self.args
-        return 1 / (1 - z) if s == 1 else polylog(s - 1, z) / z
+        if s == 1:
+            return 1 / (1 - z)
+        return polylog(s - 1, z) / z
 
 
 class NumberPower(Special):
@@ -176,7 +180,9 @@ class Removable(Special):
     @classmethod
     def eval(cls, x: Expr, n: Expr) -> Expr:
         """Evaluate at 0."""
-        return sp.Rational(str(cls._taylor(int(n), 1)[0])) if x == 0 else None
+        if x == 0:
+            return sp.Rational(str(cls._taylor(int(n), 1)[0]))
+        return None
 
     def fdiff(self, argindex: int = 1) -> Expr:
         """Differentiate with respect to x."""

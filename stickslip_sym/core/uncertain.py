@@ -78,6 +78,8 @@ def text_with_error(value: float, error: float) -> str:
 def interval_text(low: float, high: float) -> str:
     """Return an interval as text, with so many digits that its ends differ by two."""
     if not (math.isfinite(low) and math.isfinite(high) and low < high):
-        return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
+        if low == high:
+            return f"{low:.4g}"
+        return f"{low:.4g} to {high:.4g}"
     digits = max(4, min(17, math.ceil(math.log10(max(abs(low), abs(high)) / (high - low))) + 2))
     return f"{low:.{digits}g} to {high:.{digits}g}"

@@ -182,10 +182,14 @@ def share_unit(last: str, first: str) -> str:
     """Return the first end of a range with the unit of the last where it has none, as in "10:400 mm/s"."""
     its = _WITH_UNIT.fullmatch(last.translate(_SUPERSCRIPTS))
     own = _WITH_UNIT.fullmatch(first.translate(_SUPERSCRIPTS))
-    return first if its is None or own is not None else f"{first} {its['unit']}"
+    if its is None or own is not None:
+        return first
+    return f"{first} {its['unit']}"
 
 
 def _number_text(number: Fraction, *, decimal: bool = False) -> str:
     """Return a number as the decimal that it is, or a quotient, or else a decimal of many digits."""
     quotient = Context(prec=_DIGITS_OF_QUOTIENT).divide(Decimal(number.numerator), Decimal(number.denominator))
-    return str(quotient) if decimal or Fraction(quotient) == number else f"{number.numerator}/{number.denominator}"
+    if decimal or Fraction(quotient) == number:
+        return str(quotient)
+    return f"{number.numerator}/{number.denominator}"

@@ -111,7 +111,9 @@ def _leading_decay(node: Expr, point: Mapping[Expr, Expr | acb]) -> Decay | None
     if not terms:
         return None
     power, rate = min(terms)
-    return Decay(-rate, -power) if power < 0 and rate < 0 else None
+    if power < 0 and rate < 0:
+        return Decay(-rate, -power)
+    return None
 
 
 def _exponent_powers(node: Expr, point: Mapping[Expr, Expr | acb]) -> list[tuple[Expr, Expr]]:
@@ -124,7 +126,9 @@ def _exponent_powers(node: Expr, point: Mapping[Expr, Expr | acb]) -> list[tuple
             return []
         power = number_at(power, values)
         powers[power] = powers.get(power, sp.S.Zero) + number_at(coefficient, values)
-    return [(power, c) for power, c in powers.items() if c != 0] if all(c.is_real for c in powers.values()) else []
+    if all(c.is_real for c in powers.values()):
+        return [(power, c) for power, c in powers.items() if c != 0]
+    return []
 
 
 def vanishing(mu: Expr, point: Mapping[Expr, Expr | acb]) -> tuple[Expr, Expr]:

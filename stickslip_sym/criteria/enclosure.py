@@ -191,7 +191,9 @@ def _exact_end(end: arb, side: int) -> Fraction:
     if size > _EXTREME:
         raise NotConverged(f"the value is beyond 2^{_EXTREME}, too large to be written")
     if size < -_EXTREME:
-        return Fraction(side, 2**_EXTREME) if mantissa * side > 0 else Fraction(0)
+        if mantissa * side > 0:
+            return Fraction(side, 2**_EXTREME)
+        return Fraction(0)
     return Fraction(mantissa) * Fraction(2) ** exponent
 
 
@@ -284,7 +286,9 @@ def average_enclosure(
         slopes = [_real_ball(ball_value(sp.diff(side, symbols.v), there)).real for side in sides or pieces[-1:]]
         if not all(_real_ball(ball_value(side, there)).is_finite() for side in sides or pieces[-1:]):
             return arb.nan()
-        return -reduce(add, slopes) / len(slopes) if exact is not None else -reduce(arb.union, slopes)
+        if exact is not None:
+            return -reduce(add, slopes) / len(slopes)
+        return -reduce(arb.union, slopes)
     first, vanished = vanishing(pieces[0], point)
     parts = [balls_from_rest(first, point), *(ball_function(piece, symbols.v, point) for piece in pieces[1:])]
     if not _real_ball(parts[0](acb(0), False)).is_finite():

@@ -266,7 +266,9 @@ def _integral_by_parts(
         return mu(x if criterion.is_polynomial else 2 * V * mp.sin(x) ** 2) * kernel(x, V)
 
     def stretched(y: Mpf) -> Mpf:
-        return integrand(y**power) * power * y ** (power - 1) if y else mp.mpf(0)
+        if y:
+            return integrand(y**power) * power * y ** (power - 1)
+        return mp.mpf(0)
 
     power = _STRETCHING
     if singular:

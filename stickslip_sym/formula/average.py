@@ -260,7 +260,9 @@ class Differentiated:
         """The derivative of the closed form."""
         V = symbols.V
         F = self.source.find()
-        return sp.diff(V * F, V) if self.variable == symbols.v else sp.diff(F, self.variable)
+        if self.variable == symbols.v:
+            return sp.diff(V * F, V)
+        return sp.diff(F, self.variable)
 
     def __call__(self, expr: Expr) -> Expr:
         """Differentiate the integral of g under its sign."""

@@ -217,4 +217,6 @@ def _units(step: Step, names: Mapping[str, str], written: Mapping[str, str]) -> 
         ]
         lists.append(", ".join(of_term))
     lists = [text for text in dict.fromkeys(lists) if text]
-    return f"; here {', or '.join(lists)}" if lists else ""
+    if lists:
+        return f"; here {', or '.join(lists)}"
+    return ""

@@ -110,7 +110,9 @@ def export_code(forms: SlopeAverage | Sequence[SlopeAverage], language: str, *, 
 def code_name(name: str) -> str:
     """Return a name as that of a function in any language."""
     label = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")
-    return label if label and not label[0].isdigit() else f"damping_{label}".rstrip("_")
+    if label and not label[0].isdigit():
+        return label
+    return f"damping_{label}".rstrip("_")
 
 
 def export_latex(

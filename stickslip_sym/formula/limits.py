@@ -61,7 +61,9 @@ def _leading_limits(limits: list[Expr | None], sign: int) -> Expr | None:
     parts = [part for limit in limits for part in sp.Add.make_args(sp.expand(limit))]
     if any(part.has(sp.oo, -sp.oo) for part in parts):
         total = sp.nan if any(part.has(symbols.V) for part in parts) else sp.Add(*parts)
-        return total if total in (sp.oo, -sp.oo) else None
+        if total in (sp.oo, -sp.oo):
+            return total
+        return None
     powers = {part: part.as_coeff_exponent(symbols.V)[1] for part in parts}
     tops = [p for p in set(powers.values()) if all((sign * (p - q)).is_nonnegative for q in powers.values())]
     if len(tops) != 1:
@@ -70,7 +72,9 @@ def _leading_limits(limits: list[Expr | None], sign: int) -> Expr | None:
     if tops[0] == 0:
         return None if total.has(sp.nan) else total
     strength = sp.factor(total / symbols.V ** tops[0])
-    return None if strength == 0 else strength * symbols.V ** tops[0]  # what is less grows then, and is not known
+    if strength == 0:
+        return None
+    return strength * symbols.V ** tops[0]  # what is less grows then, and is not known
 
 
 @lru_cache
@@ -90,7 +94,9 @@ def _average_limit_at_rest(slope: Expr, criterion: Criterion) -> Expr | None:
     if finite:
         (c, p), *others = poles
         integrable = (p + criterion.order_at_rest + 1).is_positive is not False or criterion.weight is None
-        return c * criterion.mean_power(p) * V**p if integrable and not others else None
+        if integrable and not others:
+            return c * criterion.mean_power(p) * V**p
+        return None
     if poles:
         return None
     return _limit_at_rest(slope, criterion)
@@ -100,7 +106,9 @@ def _limit_at_rest(slope: Expr, criterion: Criterion) -> Expr | None:
     """Return the limit of the average: infinite as that of the slope is, if no part of the weight is negative."""
     limit = symbolic_limit_at_rest(slope.xreplace({symbols.V: symbols.v}))
     changes = criterion.is_polynomial and any(0 < p < 2 for p in criterion.from_rest.real_roots())
-    return None if limit.has(sp.nan, sp.zoo) or (changes and limit.has(sp.oo, -sp.oo)) else limit
+    if limit.has(sp.nan, sp.zoo) or (changes and limit.has(sp.oo, -sp.oo)):
+        return None
+    return limit
 
 
 @lru_cache
@@ -138,5 +146,7 @@ def _growth(expr: Expr) -> Expr | None:
     if expr.is_Pow and not expr.exp.has(V):
         # Terms of opposite signs may leave a base smaller than its largest term: no bound for one over it.
         cancels = expr.base.is_Add and not all(term.is_positive for term in expr.base.args)
-        return None if expr.exp.is_negative and cancels else parts[0] * expr.exp
+        if expr.exp.is_negative and cancels:
+            return None
+        return parts[0] * expr.exp
     return None

@@ -227,7 +227,9 @@ class SlopeAverage(TermSum, DataResult, by_identity=True):
         with np.errstate(all="ignore"):
             total = self._total(values)
         if isinstance(total, float):
-            return total + 0.0 if math.isfinite(total) else self._by_balls([float(value) for value in values])
+            if math.isfinite(total):
+                return total + 0.0
+            return self._by_balls([float(value) for value in values])
         if not np.isfinite(total.sum()):  # one pass; what overflows there is looked at
             for i in np.flatnonzero(~np.isfinite(total)):
                 total[i] = self._by_balls([v if isinstance(v, float) else float(v[i]) for v in values])

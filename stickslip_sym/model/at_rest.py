@@ -200,5 +200,7 @@ def _difference_of_power(node: Expr, low: Expr, base: tuple[Expr, Expr], exponen
     if power.is_Integer and abs(power) <= _MOST_DIFFERENCE_TERMS:
         count = abs(int(power))
         terms = sp.Add(*(node.base**i * base_low ** (count - 1 - i) for i in range(count)))
-        return base_rise * terms if power > 0 else -base_rise * terms / (node.base**count * base_low**count)
+        if power > 0:
+            return base_rise * terms
+        return -base_rise * terms / (node.base**count * base_low**count)
     return low * expm1(power * log1p(base_rise / base_low))

@@ -62,7 +62,9 @@ class BoundLaw:
     @property
     def kinetic(self) -> "BoundLaw":
         """The law without its static coefficient, which neither mu(v) nor an average of its slope knows."""
-        return self if self.static_expr is None else replace(self, static_expr=None).shared()
+        if self.static_expr is None:
+            return self
+        return replace(self, static_expr=None).shared()
 
     def __getstate__(self) -> dict[str, object]:
         # What is compiled cannot be pickled, and is made again when it is needed.
@@ -106,7 +108,9 @@ class BoundLaw:
                 f"the static coefficient {static:g} is below mu(0+) = {onset:g}: a contact that gives way would "
                 "stop the mass at once; give a static coefficient of at least mu(0+), or none"
             )
-        return static if static > onset + SAME * abs(onset) else onset
+        if static > onset + SAME * abs(onset):
+            return static
+        return onset
 
     @property
     def end(self) -> Rational | None:
@@ -145,7 +149,9 @@ class BoundLaw:
         if self.static_expr is not None and self.static > self.onset:
             return f"its static coefficient {self.static:g} lies above mu(0+) = {self.onset:g}"
         passed = self.kinks and self.kinks[0] < highest
-        return f"it has a kink at v = {self.kinks[0]:g}, which the orbit passes" if passed else None
+        if passed:
+            return f"it has a kink at v = {self.kinks[0]:g}, which the orbit passes"
+        return None
 
     @cached_property
     def is_straight(self) -> bool:
@@ -234,7 +240,9 @@ class BoundLaw:
         Each function is of an array, and continues smoothly beyond the ends of its piece, where another piece
         holds. Where v is small it has the digits that are lost when two coefficients are subtracted.
         """
-        return self.curve.rises if self.curve else at_rest.rises_of(self.segments, self.point)
+        if self.curve:
+            return self.curve.rises
+        return at_rest.rises_of(self.segments, self.point)
 
     @cached_property
     def table(self) -> FrictionTable:

@@ -239,7 +239,9 @@ class FrictionLaw(Shown, DataResult):
     @property
     def text(self) -> str:
         """The formula as plain text; of measured points, what goes through them."""
-        return printing.text(self.expr) if self.curve is None else str(self.curve)
+        if self.curve is None:
+            return printing.text(self.expr)
+        return str(self.curve)
 
     @property
     def parameters(self) -> Mapping[str, Parameter]:
@@ -361,7 +363,9 @@ class FrictionLaw(Shown, DataResult):
     @cached_property
     def bound(self) -> BoundLaw:
         """The law as numbers; parameters without a value are refused, by name."""
-        return self.kinetic if self.static is None else self._with_values(self.static)
+        if self.static is None:
+            return self.kinetic
+        return self._with_values(self.static)
 
     @cached_property
     def kinetic(self) -> BoundLaw:

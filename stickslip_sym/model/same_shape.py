@@ -53,7 +53,9 @@ def _shared_values(candidate: FrictionLaw, law: FrictionLaw) -> dict[Expr, Expr]
             return None
         values[symbol] = solutions[0]
         equations = [(substitute_numbers(one, {symbol: solutions[0]}), other) for one, other in equations]
-    return {symbol: values[symbol] for symbol in unknown} if equations is not None else None
+    if equations is not None:
+        return {symbol: values[symbol] for symbol in unknown}
+    return None
 
 
 def _equations(general: tuple[Term, ...], special: tuple[Term, ...]) -> list[_Equation] | None:

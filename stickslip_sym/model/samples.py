@@ -177,7 +177,9 @@ def _checked(v: Iterable[Number], mu: Iterable[Number]) -> tuple[list[Rational],
 
 def _as_written(value: Number) -> Number:
     """Return a measured float as the shortest decimal that is read as it: 0.1 for the double next to it."""
-    return repr(float(value)) if isinstance(value, float) and math.isfinite(value) else value
+    if isinstance(value, float) and math.isfinite(value):
+        return repr(float(value))
+    return value
 
 
 def _hermite_cubics(x: Sequence[Rational], y: Sequence[Rational]) -> list[tuple[Rational, ...]]:

@@ -285,7 +285,9 @@ def _values_at(pieces: FloatArray, v: FloatArray, derivative: bool) -> FloatArra
     value = np.zeros_like(v)
     for k in range(_DEGREE, -1 + derivative, -1):
         value = value * t + pieces[..., k + 3] * (k if derivative else 1)
-    return value * pieces[..., 2] if derivative else value
+    if derivative:
+        return value * pieces[..., 2]
+    return value
 
 
 _NO_VALUE = Unknown("mu has no finite value there")
@@ -455,7 +457,9 @@ def _slopes(expr: Expr) -> list[Expr]:
 def _write_one_denominator(terms: Expr) -> Expr:
     """Return a sum over one denominator."""
     numerator, denominator = sp.fraction(sp.together(terms))
-    return terms if denominator == 1 else sp.expand(numerator) / denominator
+    if denominator == 1:
+        return terms
+    return sp.expand(numerator) / denominator
 
 
 def _is_algebraic(term: Expr) -> bool:

@@ -130,7 +130,9 @@ class TaylorModel:
         """Return the value at v = 0, and what vanishes there."""
         if self.low < 0:
             raise NotAnalytic("it is infinite at rest")
-        return (self.polynomial[0], self.without_first()) if self.low == 0 else (arb(0), self)
+        if self.low == 0:
+            return (self.polynomial[0], self.without_first())
+        return (arb(0), self)
 
     def constant(self, value: arb) -> "TaylorModel":
         """Return a number with as many terms."""
@@ -201,7 +203,9 @@ def _same(value: arb) -> arb:
 
 
 def _multiply_out(x: acb, power: int) -> acb:
-    return reduce(mul, [x] * power, acb(1)) if power >= 0 else 1 / _multiply_out(x, -power)
+    if power >= 0:
+        return reduce(mul, [x] * power, acb(1))
+    return 1 / _multiply_out(x, -power)
 
 
 def _bound_within_radius(polynomial: arb_poly, radius: arb) -> arb:
@@ -284,7 +288,9 @@ class ExpansionAlgebra(Generic[S]):
             binomials.append(binomials[-1] * (p - k) / (k + 1))
 
         def bound(farther: arb) -> arb:
-            return ((1 + farther) ** p).max((1 - farther) ** p) if farther < 1 else arb.nan()
+            if farther < 1:
+                return ((1 + farther) ** p).max((1 - farther) ** p)
+            return arb.nan()
 
         rest = base.without_first().scaled(1 / first, -int(base.low))
         factor = first ** int(exponent) if exponent.is_Integer else first**p

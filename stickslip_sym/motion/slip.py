@@ -215,7 +215,9 @@ class NondimensionalOscillator:
     def friction_far_out(self) -> float:
         """mu(V w)/w at slip speeds beyond every feature of the law; 0 if it is measured up to a speed."""
         v = min(_FAR_OUT * self.V, self.table.end)
-        return 0.0 if math.isfinite(self.table.reach) else (self.table.onset + self.table.rise(v)) * self.V / v
+        if math.isfinite(self.table.reach):
+            return 0.0
+        return (self.table.onset + self.table.rise(v)) * self.V / v
 
     def slip_speed(self, q: Any, u: Any) -> tuple[Any, Any]:
         """Return w and side for velocities u over the belt's; at the belt's speed, to where the mass leaves."""

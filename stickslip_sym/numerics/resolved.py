@@ -107,7 +107,9 @@ class Piece(NamedTuple):
         """Return 1 where the coefficients show that the polynomial lies above a value, -1 below, else 0."""
         off = float(self.coefficients[0]) - level
         is_clear = abs(off) > float(np.abs(self.coefficients[1:]).sum()) + self.error
-        return int(math.copysign(1, off)) if is_clear else 0
+        if is_clear:
+            return int(math.copysign(1, off))
+        return 0
 
     @property
     def turns(self) -> list[Turn]:
@@ -145,7 +147,9 @@ class Resolved:
     def side(self, level: float) -> int:
         """Return 1 where the coefficients show that the function lies above a value, -1 below, else 0."""
         sides = {piece.side(level) for piece in self.pieces}
-        return sides.pop() if len(sides) == 1 and not self.open else 0
+        if len(sides) == 1 and not self.open:
+            return sides.pop()
+        return 0
 
     def between(self, low: float, high: float) -> "Resolved":
         """Return the same between two edges, as a function of the distance from the first."""

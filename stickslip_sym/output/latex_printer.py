@@ -185,7 +185,9 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             if number < 0 and factor.is_Add and factor.has(sp.Function) and -1 in factor.args:
                 number, parts[position] = -number, -factor  # not -(tanh(x) - 1)
         product = self._product(abs(number), parts)
-        return f"-{held(product, Binding.OPEN)}" if number < 0 else product
+        if number < 0:
+            return f"-{held(product, Binding.OPEN)}"
+        return product
 
     def _print_Rational(self, expr: Expr) -> str:
         if text := decimal(expr, shortest=True):
@@ -222,7 +224,9 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             tail = []
         with self._flat():
             fraction = f"\\frac{{{self._row(above, head)}}}{{{denominator}}}"
-        return self._row(1, tail, fraction) if tail else fraction
+        if tail:
+            return self._row(1, tail, fraction)
+        return fraction
 
     def _is_short(self, factor: Expr) -> bool:
         return bool(factor.is_Add) and len(factor.args) <= 2 and _length(self._print(factor)) < _SHORT_SUM
@@ -278,7 +282,9 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             return self._applied(f"{self._called(function)}{raised}", base.args[0])
         printed = self._print(base)
         if "^" not in printed and (base.is_Symbol or base.is_NumberSymbol):
-            return f"{{{printed}}}{raised}" if "'" in printed else f"{held(printed, Binding.FACTOR)}{raised}"
+            if "'" in printed:
+                return f"{{{printed}}}{raised}"
+            return f"{held(printed, Binding.FACTOR)}{raised}"
         return f"{printed if base.is_Integer and base >= 0 else bracketed(printed)}{raised}"
 
     def _print_NumberPower(self, expr: Expr) -> str:

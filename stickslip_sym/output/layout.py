@@ -250,7 +250,9 @@ def _operation(pieces: Sequence[tuple[str, bool]]) -> tuple[str, int]:
     sign = contents[spaced] if len(contents) > spaced else ""
     known = next((latex for character, latex in _BETWEEN.items() if sign == _SIGNS.get(character, character)), "")
     behind = contents[1 + spaced : 2 + spaced] == [" "]
-    return (known, 1 + spaced + behind) if known and spaced == behind else ("", 0)
+    if known and spaced == behind:
+        return (known, 1 + spaced + behind)
+    return ("", 0)
 
 
 def _is_operand(pieces: Sequence[tuple[str, bool]], position: int) -> bool:

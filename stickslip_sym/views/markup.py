@@ -80,7 +80,9 @@ def html_table(header: Sequence[str], rows: Sequence[Sequence[str]], *, caption:
 
 
 def _cell(text: str) -> str:
-    return f"<td>{text}</td>" if isinstance(text, Markup) else f"<td {_PLAIN}>{escaped(text)}</td>"
+    if isinstance(text, Markup):
+        return f"<td>{text}</td>"
+    return f"<td {_PLAIN}>{escaped(text)}</td>"
 
 
 Item = TypeVar("Item")

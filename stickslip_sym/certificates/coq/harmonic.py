@@ -54,7 +54,9 @@ class Pole:
         if len(self.coefficients) == 1:
             return sp.pi / self.roots[0]
         m, X, Z = self.roots
-        return sp.pi * (m + X) / (Z * m * X) if self.top == 1 else 2 * sp.pi * V / (Z * X)
+        if self.top == 1:
+            return sp.pi * (m + X) / (Z * m * X)
+        return 2 * sp.pi * V / (Z * X)
 
 
 @dataclass(frozen=True)
@@ -206,7 +208,9 @@ class Harmonic(Script):
         if len(texts) == 1:
             return f"PI / {texts[0]}"
         m, X, Z = texts
-        return f"PI * ({m} + {X}) / ({Z} * {m} * {X})" if pole.top == 1 else f"2 * PI * V / ({Z} * {X})"
+        if pole.top == 1:
+            return f"PI * ({m} + {X}) / ({Z} * {m} * {X})"
+        return f"2 * PI * V / ({Z} * {X})"
 
     def _pole(self, name: str, pole: Pole) -> str:
         """State and prove the integral of a fraction over the angle."""
@@ -284,7 +288,9 @@ def _base_of(coefficients: Sequence[Expr]) -> Expr:
 
 def _proof_of_sum(first: str, second: str) -> str:
     """Return the proof of the integral of a sum, of those of its two parts."""
-    return f"(integral_plus _ _ _ _ _ _ {first} {second})" if first else second
+    if first:
+        return f"(integral_plus _ _ _ _ _ _ {first} {second})"
+    return second
 
 
 def slope_over_angle(numerator: Expr, base: Expr, power: int) -> tuple[Expr, Expr, dict[Expr, Expr]]:

@@ -409,7 +409,9 @@ class Integral(Script):
         low, high = self.criterion.ends
         ends = [(low / V, "0"), (-high / V, "(2 * V)")]
         terms = [f"{self.whole(weight)} * mu {place}" for weight, place in ends if weight != 0]
-        return f" - N * ({' + '.join(terms)})" if terms else ""
+        if terms:
+            return f" - N * ({' + '.join(terms)})"
+        return ""
 
     def _same_law(self, mu: Expr) -> str:
         """Prove that the law is the sum of its terms, whichever of their pieces hold."""

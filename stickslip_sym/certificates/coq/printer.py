@@ -89,7 +89,9 @@ class CoqPrinter(Printer):  # type: ignore[misc]  # SymPy is untyped
         return str(expr) if expr >= 0 else f"- {-expr}"
 
     def _print_Rational(self, expr: Expr) -> str:
-        return f"- {-expr.p} / {expr.q}" if expr.p < 0 else f"{expr.p} / {expr.q}"
+        if expr.p < 0:
+            return f"- {-expr.p} / {expr.q}"
+        return f"{expr.p} / {expr.q}"
 
     def _print_Pi(self, expr: Expr) -> str:
         return "PI"
@@ -160,7 +162,9 @@ class CoqPrinter(Printer):  # type: ignore[misc]  # SymPy is untyped
         base, exponent = expr.args
         if not exponent.is_Integer:
             return self.emptyPrinter(expr)
-        return f"/ {self._operand(base**-exponent)}" if exponent < 0 else f"{self.whole(base)}^{exponent!s}"
+        if exponent < 0:
+            return f"/ {self._operand(base**-exponent)}"
+        return f"{self.whole(base)}^{exponent!s}"
 
     # -- functions in pieces -------------------------------------------------------------------------
 

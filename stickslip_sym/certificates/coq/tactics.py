@@ -263,7 +263,9 @@ def has_powers(*exprs: Expr) -> bool:
 
 def unfolded(*exprs: Expr) -> str:
     """Return what else is unfolded where these expressions stand."""
-    return ", Rpower" if any(node.func.__name__ == "Rpower" for node in functions_of(*exprs)) else ""
+    if any(node.func.__name__ == "Rpower" for node in functions_of(*exprs)):
+        return ", Rpower"
+    return ""
 
 
 def _kept_lemmas(lemmas: str, needed: Sequence[str]) -> str:

@@ -65,7 +65,9 @@ def _inverse_tangent_integral(argument: Expr) -> Expr:
         raise Unsupported(f"a script in Coq has no im({argument})")
     order = argument.args[0]
     y = sp.expand(argument.args[1] / sp.I)
-    return sp.atan(y) if order == 1 else call(f"Ti{order}", y)
+    if order == 1:
+        return sp.atan(y)
+    return call(f"Ti{order}", y)
 
 
 def _write_by_polylogarithms(expr: Expr) -> Expr:

@@ -107,7 +107,9 @@ def expression_text(expr: Expr, names: Mapping[Expr, str], language: Language) -
 
 def _elementwise(text: str, language: Language) -> str:
     """Return an expression with the operators of a language for arrays."""
-    return re.sub(r"(?<!\.)([*/^])", r".\1", text) if language.elementwise else text
+    if language.elementwise:
+        return re.sub(r"(?<!\.)([*/^])", r".\1", text)
+    return text
 
 
 class _Written:

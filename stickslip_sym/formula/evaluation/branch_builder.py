@@ -317,7 +317,9 @@ class _Builder:
             -node.exp.coeff(symbols.v) for node in self.profile.atoms(sp.exp) if node.exp.is_polynomial(symbols.v)
         ]
         rates = [float(rate) for rate in rates if rate.is_number and rate.is_positive]
-        return [None, sp.exp(-sp.Rational(min(rates)) * symbols.v)] if rates else [None]
+        if rates:
+            return [None, sp.exp(-sp.Rational(min(rates)) * symbols.v)]
+        return [None]
 
     def _far_out(self) -> tuple[float, Branch] | None:
         """Return from where the series in 1/r is F, and the branch."""
@@ -399,7 +401,9 @@ class _Builder:
     def _fitted(self, r: arb) -> arb:
         """Return F, over what stands before a table."""
         value = self.values(r)
-        return value if self.decay is None else value / self.decay.ball(2 * r)
+        if self.decay is None:
+            return value
+        return value / self.decay.ball(2 * r)
 
     def _panels(
         self, left: float, right: float, origin: float | None, halvings: float = math.inf
@@ -481,7 +485,9 @@ def _terms_that_count(series: GeneralisedSeries, x: arb, unit: int, condition: f
     total = sum(shares.values())
     size = sum(map(abs, shares.values()))
     if not size <= condition * abs(total):
-        return {} if not series.terms and series.top == math.inf else None
+        if not series.terms and series.top == math.inf:
+            return {}
+        return None
     least = _NEGLIGIBLE_OF_VALUE * abs(total)
     late = series.top - (series.top - series.low) / 4 if series.top < math.inf else math.inf
     if any(e >= late and abs(share) > least for (e, _), share in shares.items()):
@@ -493,11 +499,9 @@ def _terms_that_count(series: GeneralisedSeries, x: arb, unit: int, condition: f
         if rest > least:
             break
         kept.pop(key, None)
-    return (
-        kept
-        if all(1 / _LARGEST_COEFFICIENT < abs(float(c)) < _LARGEST_COEFFICIENT for c in kept.values())
-        else None
-    )
+    if all(1 / _LARGEST_COEFFICIENT < abs(float(c)) < _LARGEST_COEFFICIENT for c in kept.values()):
+        return kept
+    return None
 
 
 def _powers_of_series(terms: Powers, unit: int, side: int, function: Expr | None) -> Sum:

@@ -25,7 +25,9 @@ _BEFORE = 4  # the left end, the origin, the centre and 1/half the width of a pa
 def horner(coefficients: Sequence[float], z: Numbers) -> Numbers:
     """Evaluate a polynomial at floats or arrays."""
     if len(coefficients) == 1:
-        return coefficients[0] if isinstance(z, float) else np.full_like(z, coefficients[0])
+        if isinstance(z, float):
+            return coefficients[0]
+        return np.full_like(z, coefficients[0])
     value = z * coefficients[-1]
     for coefficient in coefficients[-2:0:-1]:
         value += coefficient
@@ -47,7 +49,9 @@ def alike(function: Callable[..., Any], expr: Expr) -> Callable[..., Any]:
         if any(not isinstance(value, float) for value in values):
             return function(*values)
         results = function(*(np.array([value]) for value in values))
-        return [np.ravel(x)[0] for x in results] if isinstance(results, list) else results[0]
+        if isinstance(results, list):
+            return [np.ravel(x)[0] for x in results]
+        return results[0]
 
     return of_numbers
 
@@ -102,7 +106,9 @@ class PanelTable:
     def __call__(self, r: Numbers) -> Numbers:
         """Return G."""
         value = self._in_panel(r)
-        return value if self.function is None else value * self._front(r)
+        if self.function is None:
+            return value
+        return value * self._front(r)
 
     @cached_property
     def _lists(self) -> list[list[float]]:
@@ -178,4 +184,6 @@ class Branches:
 def value_of(branch: Branch, r: Numbers) -> Numbers:
     """Return F, r^power G, as far as it stays within range."""
     value = branch(r)
-    return value if branch.power == 0 else value * power_of(r, branch.power)
+    if branch.power == 0:
+        return value
+    return value * power_of(r, branch.power)

@@ -158,7 +158,9 @@ class _GeneralExpansion(ExpansionAlgebra[GeneralisedSeries]):
         grows = inner.low < 0
         if known.kind is sp.log and (grows or (0, 0) not in inner.terms):
             return self._logarithm(inner)
-        return self._far_function(known, inner) if grows else super().function(known, inner)
+        if grows:
+            return self._far_function(known, inner)
+        return super().function(known, inner)
 
     def _logarithm(self, inner: GeneralisedSeries) -> GeneralisedSeries:
         """Return the logarithm of what vanishes with x, or grows."""

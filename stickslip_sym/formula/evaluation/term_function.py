@@ -58,7 +58,9 @@ def _function_of_base(expr: Expr, arguments: Sequence[Expr]) -> Callable[[Sequen
     def base(values: Sequence[Numbers]) -> Numbers:
         value, spread = function(*values)
         if isinstance(value, float):
-            return float(value) if abs(value) * CANCELLED >= spread else math.nan
+            if abs(value) * CANCELLED >= spread:
+                return float(value)
+            return math.nan
         return np.where(np.abs(value) * CANCELLED >= spread, value, np.nan)
 
     return base

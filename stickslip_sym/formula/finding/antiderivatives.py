@@ -84,12 +84,16 @@ def _product_by_parts(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
         x = sp.Dummy("x", positive=isinstance(function, sp.log) or None, real=True)
         inner = sp.expand(polynomial.subs(u, (x - line[1]) / line[0]) / line[0])
         primitive: Expr | None = _product_by_parts(inner, function.func(x) ** power, x)
-        return None if primitive is None else primitive.subs(x, function.args[0])
+        if primitive is None:
+            return None
+        return primitive.subs(x, function.args[0])
     whole = _integral_of_polynomial(polynomial, u)
     slope = sp.diff(function, u)
     factor = sp.cancel(whole * slope) if slope.is_rational_function(u) else whole * slope
     left = antiderivative(power * factor * function ** (power - 1), sp.Integer(1), u)
-    return None if left is None else whole * node - left[1]
+    if left is None:
+        return None
+    return whole * node - left[1]
 
 
 def _reduced(polynomial: Expr, alpha: Expr, beta: Expr, u: Expr) -> tuple[Expr, Expr]:
@@ -273,7 +277,9 @@ def _sine_over_speed(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     powers = sp.Poly(polynomial, u)
     higher = sp.cancel((powers - powers.nth(0)).as_expr() / u)
     left = _integrate_repeatedly(higher, sine, line, u) if higher != 0 else sp.Integer(0)
-    return None if left is None else powers.nth(0) * sp.Si(sine.args[0]) + left
+    if left is None:
+        return None
+    return powers.nth(0) * sp.Si(sine.args[0]) + left
 
 
 def _exponential_logarithm(polynomial: Expr, exponential: Expr, logarithm: Expr, u: Expr) -> Expr | None:
@@ -284,7 +290,9 @@ def _exponential_logarithm(polynomial: Expr, exponential: Expr, logarithm: Expr,
         return None
     whole = sp.factor_terms(_integrate_repeatedly(polynomial, exponential, line, u) / exponential)
     left = _exponential_over_linear(whole, sp.diff(logarithm, u) * exponential, u)
-    return None if left is None else whole * exponential * logarithm - left
+    if left is None:
+        return None
+    return whole * exponential * logarithm - left
 
 
 def _exponential_of_root(polynomial: Expr, error: Expr, exponential: Expr, u: Expr) -> Expr | None:
@@ -295,7 +303,9 @@ def _exponential_of_root(polynomial: Expr, error: Expr, exponential: Expr, u: Ex
         return None
     whole = sp.factor_terms(_integrate_repeatedly(polynomial, exponential, line, u) / exponential)
     left = antiderivative(sp.expand(whole * exponential * sp.diff(error, u)), sp.Integer(1), u)
-    return None if left is None else whole * exponential * error - left[1]
+    if left is None:
+        return None
+    return whole * exponential * error - left[1]
 
 
 def _log_cosh(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
@@ -305,7 +315,9 @@ def _log_cosh(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     (x,) = node.args[0].args
     whole = _integral_of_polynomial(polynomial, u)
     left = antiderivative(sp.expand(whole * sp.diff(x, u)) * sp.tanh(x), sp.Integer(1), u)
-    return None if left is None else whole * node - left[1]
+    if left is None:
+        return None
+    return whole * node - left[1]
 
 
 def _softplus(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
@@ -342,7 +354,9 @@ def _rational_in_root(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
         return None
     inner = (polynomial * factors).xreplace({u: x**q}) * q * x ** (q - 1)
     found = _rational(sp.Integer(1), sp.cancel(sp.together(inner)), x) if inner.is_rational_function(x) else None
-    return None if found is None else found.xreplace({x: u ** sp.Rational(1, q)})
+    if found is None:
+        return None
+    return found.xreplace({x: u ** sp.Rational(1, q)})
 
 
 def _binomial(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
@@ -387,7 +401,9 @@ def _exponential_erf(polynomial: Expr, erf: Expr, exponential: Expr, u: Expr) ->
     left = _gaussian(
         sp.expand(2 * inner[0] / sp.sqrt(sp.pi) * whole), sp.exp(exponent), coefficients(exponent, u), u
     )
-    return None if left is None else whole * exponential * erf - left
+    if left is None:
+        return None
+    return whole * exponential * erf - left
 
 
 def _reciprocal_of_logarithm(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
@@ -420,9 +436,9 @@ def _rational(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     """Integrate rational functions whose denominator splits into factors of degree 1 and 2."""
     parts = partial_fractions(polynomial * factors, u)
     fractions = [] if parts is None else [_fraction(*fraction, u) for fraction in parts[1]]
-    return (
-        None if parts is None or None in fractions else _integral_of_polynomial(parts[0], u) + sp.Add(*fractions)
-    )
+    if parts is None or None in fractions:
+        return None
+    return _integral_of_polynomial(parts[0], u) + sp.Add(*fractions)
 
 
 def _fraction(numerator: Expr, monic: list[Expr], power: int, u: Expr) -> Expr | None:
@@ -497,7 +513,9 @@ def _logarithm_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr | N
             z = sp.factor((start - s) / (u + start))
             total += numerator * (logarithm**2 / 2 + logarithm * sp.log(1 - z) - polylog(2, z))
     left = _rational(whole * sp.diff(logarithm, u), sp.Integer(1), u)
-    return None if left is None else total + whole * logarithm - left
+    if left is None:
+        return None
+    return total + whole * logarithm - left
 
 
 def _exponential_tanh(polynomial: Expr, exponential: Expr, tanh: Expr, u: Expr) -> Expr | None:

@@ -46,7 +46,9 @@ def harmonic_average(rest: Expr, u: Expr, V: Expr) -> tuple[str, Expr] | None:
             return None
         names.append(average[0])
         total += constant * average[1]
-    return (", ".join(dict.fromkeys(names)), total) if sp.expand(pole) == 0 else None
+    if sp.expand(pole) == 0:
+        return (", ".join(dict.fromkeys(names)), total)
+    return None
 
 
 def _exponent_over_speed(part: Expr, u: Expr) -> tuple[Expr, Expr] | None:
@@ -55,7 +57,9 @@ def _exponent_over_speed(part: Expr, u: Expr) -> tuple[Expr, Expr] | None:
         return sp.S.Zero, sp.S.Zero
     numerator = sp.expand_mul(part * u)
     line = coefficients(numerator.args[0], u) if isinstance(numerator, sp.exp) else []
-    return (line[0], line[1]) if len(line) == 2 else None
+    if len(line) == 2:
+        return (line[0], line[1])
+    return None
 
 
 def _cosine_coefficients(polynomial: Expr, u: Expr, V: Expr) -> list[Expr]:
@@ -199,7 +203,9 @@ def _rate_of_sinc(factors: Expr, u: Expr) -> Expr | None:
     """Return k of sin(k u)/u, or None."""
     sine = factors * u
     line = coefficients(sine.args[0], u) if isinstance(sine, sp.sin) else []
-    return line[0] if len(line) == 2 and line[1] == 0 else None
+    if len(line) == 2 and line[1] == 0:
+        return line[0]
+    return None
 
 
 def _average_of_series(q: Expr, upper: list[Expr], lower: list[Expr], z: Expr, d: Expr, V: Expr) -> Expr:

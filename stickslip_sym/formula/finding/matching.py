@@ -51,19 +51,25 @@ def first_rule(rules: Sequence[Rule], rest: Expr, kernel: Expr, u: Expr, *more: 
 def _function_of_power(factor: Expr) -> Expr:
     """Return a factor, or the function of which it is a whole power."""
     base, exponent = factor.as_base_exp()
-    return base if isinstance(base, sp.Function) and exponent.is_Integer and exponent > 0 else factor
+    if isinstance(base, sp.Function) and exponent.is_Integer and exponent > 0:
+        return base
+    return factor
 
 
 def coefficients(expr: Expr, u: Expr) -> list[Expr]:
     """Return the coefficients of a polynomial in u from the highest, or no coefficient of what is none."""
-    return list(sp.Poly(expr, u).all_coeffs()) if expr.is_polynomial(u) else []
+    if expr.is_polynomial(u):
+        return list(sp.Poly(expr, u).all_coeffs())
+    return []
 
 
 def as_power(node: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr] | None:
     """Match (rate u + shift)^p, p no integer; return base, rate, shift, p."""
     base, p = node.as_base_exp()
     line = coefficients(base, u)
-    return (base, *line, p) if len(line) == 2 and not (p.has(u) or p.is_integer) else None
+    if len(line) == 2 and not (p.has(u) or p.is_integer):
+        return (base, *line, p)
+    return None
 
 
 def as_binomial(factors: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr, Expr] | None:
@@ -78,7 +84,9 @@ def as_binomial(factors: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr, Expr] |
     a, monomial = power.as_independent(u, as_Add=False)
     of, d = monomial.as_base_exp()
     positive = a.is_positive and b.is_positive and d.is_positive
-    return (q, b, a, d, p) if of == u and positive and not (p.has(u) or d.has(u)) else None
+    if of == u and positive and not (p.has(u) or d.has(u)):
+        return (q, b, a, d, p)
+    return None
 
 
 def as_stretched(factors: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr] | None:
@@ -91,7 +99,9 @@ def as_stretched(factors: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr] | None
     constant, varying = exponent.as_independent(u, as_Add=True)
     factor, monomial = sp.factor_terms(varying).as_independent(u, as_Add=False)
     of, d = monomial.as_base_exp()
-    return (sp.exp(constant), q if base == u else sp.Integer(0), -factor, d) if of == u and not d.has(u) else None
+    if of == u and not d.has(u):
+        return (sp.exp(constant), q if base == u else sp.Integer(0), -factor, d)
+    return None
 
 
 def partial_fractions(rest: Expr, u: Expr) -> tuple[Expr, list[tuple[Expr, list[Expr], int]]] | None:
@@ -130,7 +140,9 @@ def waves_apart(expr: Expr) -> Expr:
     """Write powers and products of sines and cosines as sums of them, as sin(x)^2 = (1 - cos(2 x))/2."""
     powers = [node for node in expr.atoms(sp.Pow) if isinstance(node.base, sp.sin | sp.cos)]
     products = [node for node in expr.atoms(sp.Mul) if len([f for f in node.args if f.has(sp.sin, sp.cos)]) > 1]
-    return sp.expand(TR8(expr)) if powers or products else expr
+    if powers or products:
+        return sp.expand(TR8(expr))
+    return expr
 
 
 def minus_discriminant(b: Expr, c: Expr) -> Expr:

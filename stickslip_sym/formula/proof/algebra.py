@@ -294,7 +294,9 @@ class LaurentSeries:
 
     def coefficient(self, power: int) -> Element | None:
         """Return the coefficient of a power below `known`, None where the series has not begun."""
-        return self.coefficients[power - self.order] if power >= self.order else None
+        if power >= self.order:
+            return self.coefficients[power - self.order]
+        return None
 
     def __add__(self, other: "LaurentSeries") -> "LaurentSeries":
         powers = range(min(self.order, other.order), min(self.known, other.known))

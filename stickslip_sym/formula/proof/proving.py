@@ -209,7 +209,9 @@ def _random_points(*sides: Expr) -> list[dict[Expr, Expr]]:
 
 
 def _word(key: Expr, value: Expr) -> str:
-    return f"{key}({value.variables[0]}) = {value.expr}" if isinstance(value, sp.Lambda) else f"{key} = {value}"
+    if isinstance(value, sp.Lambda):
+        return f"{key}({value.variables[0]}) = {value.expr}"
+    return f"{key} = {value}"
 
 
 # -- a ball around a value, integrals and all -------------------------------------------------------

@@ -25,7 +25,9 @@ def _replace_integrals(variable: Expr, expr: Expr, change: Callable[..., Expr]) 
 
     def changed(integral: Expr) -> Expr:
         integrated, low, high = single_limit(integral)
-        return change(integral.function, low, high) if integrated == variable else integral
+        if integrated == variable:
+            return change(integral.function, low, high)
+        return integral
 
     return expr.replace(lambda node: isinstance(node, sp.Integral), changed)
 
@@ -180,7 +182,9 @@ def _limit_of_term(term: Expr, x: Expr) -> Expr:
         return sp.nan if others else sp.S.Zero
     if any(_vanishes_at_rest(factor, x) for factor in factors):
         others = [factor for factor in factors if factor.has(x) and not _vanishes_at_rest(factor, x)]
-        return sp.S.Zero if all(factor.as_base_exp()[0] == x for factor in others) else sp.nan
+        if all(factor.as_base_exp()[0] == x for factor in others):
+            return sp.S.Zero
+        return sp.nan
     term = term.replace(
         lambda node: isinstance(node, sp.erf) and _is_falling_logarithm(node.args[0], x),
         lambda node: sp.S.NegativeOne,

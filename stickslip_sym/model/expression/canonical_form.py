@@ -63,7 +63,9 @@ def _rebuilt(node: Expr, parts: list[Expr]) -> Expr:
         return _product(made)
     if made.is_Add:
         made = _sum_squares(made)
-    return _write_langevin(made) if made.is_Add and made.has(sp.coth) else made
+    if made.is_Add and made.has(sp.coth):
+        return _write_langevin(made)
+    return made
 
 
 def _sum_squares(expr: Expr) -> Expr:
@@ -79,7 +81,9 @@ def _sum_squares(expr: Expr) -> Expr:
 
 def _rewrite_power(base: Expr, exponent: Expr) -> Expr:
     if exponent.has(symbols.v):
-        return sp.exp(exponent * sp.log(base)) if base.is_positive and not base.has(symbols.v) else base**exponent
+        if base.is_positive and not base.has(symbols.v):
+            return sp.exp(exponent * sp.log(base))
+        return base**exponent
     if base.func in _RECIPROCALS and exponent.is_negative:
         base = _RECIPROCALS[base.func](base.args[0])
         exponent = -exponent
@@ -107,7 +111,9 @@ def _reciprocal_of_exponentials(base: Expr) -> Expr | None:
         return sp.sech(x) / (2 * a)
     if x == 0:
         (a, x), (b, y) = (b, y), (a, x)
-    return (1 - sp.tanh((x + sp.log(a / b)) / 2)) / (2 * b) if y == 0 else None
+    if y == 0:
+        return (1 - sp.tanh((x + sp.log(a / b)) / 2)) / (2 * b)
+    return None
 
 
 def _write_by_falling_exponential(base: Expr) -> tuple[Expr, Expr] | None:
@@ -132,7 +138,9 @@ def _exponential(argument: Expr) -> Expr:
             factors.append(power(logarithm.args[0], front))
         else:
             rest.append(term)
-    return sp.Mul(*factors, sp.exp(sp.Add(*rest))) if factors else sp.exp(argument)
+    if factors:
+        return sp.Mul(*factors, sp.exp(sp.Add(*rest)))
+    return sp.exp(argument)
 
 
 def _logarithm_of_sum(expr: Expr) -> Expr:
@@ -157,7 +165,9 @@ def _growing_exponential(expr: Expr) -> tuple[Expr, Expr, Expr] | None:
     if not isinstance(exponential, sp.exp) or not (a.is_positive and b.is_positive):
         return None
     rate = sp.diff(exponential.exp, symbols.v)
-    return (b, a, exponential.exp) if rate.is_positive and not rate.has(symbols.v) else None
+    if rate.is_positive and not rate.has(symbols.v):
+        return (b, a, exponential.exp)
+    return None
 
 
 def _rational_of_power(expr: Expr) -> Expr:

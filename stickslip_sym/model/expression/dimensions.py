@@ -80,7 +80,9 @@ class _Dimensions:
             first, *others = [part for part in parts if part is not None] or [None]
             for other in others:
                 self.require_pure(other - first, f"a ratio of parts of {text(node)}")
-            return None if isinstance(node, sp.core.relational.Relational) else first
+            if isinstance(node, sp.core.relational.Relational):
+                return None
+            return first
         for part in parts:
             self.require_pure(part, f"the argument of {text(node)}")
         return sp.S.Zero

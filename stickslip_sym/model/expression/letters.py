@@ -58,7 +58,9 @@ def name_constants(expr: Expr) -> NamedConstants:
         letters = _Letters(expr, _BESIDE_LETTERS)
         general = letters.of(expr)
     found = NamedConstants(general, letters.meanings)
-    return found if letters.meanings and is_same(found.put_back(general), expr) else NamedConstants(expr)
+    if letters.meanings and is_same(found.put_back(general), expr):
+        return found
+    return NamedConstants(expr)
 
 
 def is_same(expr: Expr, other: Expr) -> bool:
@@ -115,7 +117,9 @@ class _Letters:
 
     def _of_power_of_number(self, base: Expr, exponent: Expr) -> Expr:
         raised = self._of_exponent(exponent)
-        return power(base, exponent) if raised == exponent else self._of_number(base, "speed") ** raised
+        if raised == exponent:
+            return power(base, exponent)
+        return self._of_number(base, "speed") ** raised
 
     def _of_product(self, node: Expr, *, within: bool) -> Expr:
         """Write a product; beside v, the number and the sum of parameters are a rate, or one over a speed."""

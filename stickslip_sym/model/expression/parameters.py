@@ -61,7 +61,9 @@ class Parameter:
     @cached_property
     def symbol(self) -> Expr:
         """The parameter in an expression."""
-        return sp.Symbol(self.name, positive=True) if self.positive else sp.Symbol(self.name, real=True)
+        if self.positive:
+            return sp.Symbol(self.name, positive=True)
+        return sp.Symbol(self.name, real=True)
 
 
 def _check_name(name: str) -> None:

@@ -232,7 +232,9 @@ def _read_name(text: str, position: int, word: str) -> str:
     if spelled in _WORDS:
         _refuse(text, position, f"{spelled!r} is no part of a formula; {_WORDS[spelled]}")
     called = text[position + len(word) :].lstrip()[:1] == "("
-    return spelled.lower() if called and spelled not in taken() and spelled.lower() in taken() else spelled
+    if called and spelled not in taken() and spelled.lower() in taken():
+        return spelled.lower()
+    return spelled
 
 
 def _command(text: str, position: int, spelled: str, *, is_letter: bool) -> str:
@@ -240,7 +242,9 @@ def _command(text: str, position: int, spelled: str, *, is_letter: bool) -> str:
     letter = spelled.partition("_")[0]
     if is_letter and letter not in _GREEK and letter.lower() not in {name.lower() for name in taken()}:
         _refuse(text, position, f"the command {letter[:30]!r} is not known here; write the formula in plain names")
-    return "lambda_" + spelled.removeprefix("lambda") if letter == "lambda" else spelled.removeprefix("var")
+    if letter == "lambda":
+        return "lambda_" + spelled.removeprefix("lambda")
+    return spelled.removeprefix("var")
 
 
 def _greek(text: str, position: int, letter: str) -> str:
@@ -248,7 +252,9 @@ def _greek(text: str, position: int, letter: str) -> str:
     size, _, word = name.removeprefix("GREEK ").partition(" LETTER ")
     if size not in ("SMALL", "CAPITAL") or not word.isalpha():
         _refuse(text, position, f"the character {letter!r} has no meaning in a formula")
-    return word.lower().replace("lamda", "lambda_") if size == "SMALL" else word.capitalize()
+    if size == "SMALL":
+        return word.lower().replace("lamda", "lambda_")
+    return word.capitalize()
 
 
 class _Parser:
@@ -372,7 +378,9 @@ class _Parser:
             is_named = self._is_command(token) or token.text in self.described or token.text in self.alone
             product = token.text not in taken() and is_named
             called = not product and self.take("(")
-            return self.nested(token, lambda: self._call(token)) if called else self._name(token)
+            if called:
+                return self.nested(token, lambda: self._call(token))
+            return self._name(token)
         if self.take("√"):
             bare = self.next.text != "("
             root = self.nested(token, self.operand)
@@ -437,7 +445,9 @@ class _Parser:
         inner = self.expression()
         self.close(opened, "|" if bar else ")")
         self.bars -= bar
-        return self._kinked(opened, "Abs", [inner]) if bar else inner
+        if bar:
+            return self._kinked(opened, "Abs", [inner])
+        return inner
 
     def _name(self, token: _Token) -> Expr:
         name = token.text
@@ -569,4 +579,6 @@ class _Parser:
 
 def _coefficient(expr: Expr) -> Expr:
     """Return the rational factor of an expression, which a power raises with it."""
-    return expr if expr.is_Rational else expr.as_coeff_Mul(rational=True)[0]
+    if expr.is_Rational:
+        return expr
+    return expr.as_coeff_Mul(rational=True)[0]

@@ -42,7 +42,9 @@ def place_of(relation: Expr) -> Expr:
 def _end_of_condition(holds: Expr) -> Expr | None:
     """Return the place of a condition v < place; None where it is always true."""
     # SymPy joins the conditions of pieces that became equal by Or.
-    return None if holds == sp.true else sp.Max(*map(place_of, holds.atoms(*RELATIONS)))
+    if holds == sp.true:
+        return None
+    return sp.Max(*map(place_of, holds.atoms(*RELATIONS)))
 
 
 def _branches_and_ends(node: Expr) -> Cases:
@@ -97,7 +99,9 @@ def join_kinks(expr: Expr) -> Expr:
     """Return an expression in which no two kinks stand in one term: their pieces are multiplied out."""
     if len(kinked(expr)) < 2:
         return expr
-    return sp.Add(*map(join_kinks, expr.args)) if expr.is_Add else piecewise(_smooth_cases(expr))
+    if expr.is_Add:
+        return sp.Add(*map(join_kinks, expr.args))
+    return piecewise(_smooth_cases(expr))
 
 
 def pieces_of(term: Expr) -> tuple[list[Expr], list[Expr]]:
@@ -186,7 +190,9 @@ def branch_from(expr: Expr, values: Mapping[Expr, Expr], start: Expr) -> Expr:
     `values` are those of the parameters, whose symbols stay. Conditions read v < place, so the piece that holds at
     the speed holds above.
     """
-    return resolve_kinks(expr, {**values, symbols.v: start}) if expr.has(sp.Piecewise) else expr
+    if expr.has(sp.Piecewise):
+        return resolve_kinks(expr, {**values, symbols.v: start})
+    return expr
 
 
 # -- conditions ------------------------------------------------------------------------------------

@@ -80,7 +80,9 @@ def as_text(formula: object) -> str:
 
 def _shortest_decimal(number: Expr) -> Expr:
     """Return a SymPy Float as the shortest decimal that is read as it; a longer one than a double as it stands."""
-    return sp.Rational(repr(float(number))) if number._prec <= sys.float_info.mant_dig else sp.Rational(number)
+    if number._prec <= sys.float_info.mant_dig:
+        return sp.Rational(repr(float(number)))
+    return sp.Rational(number)
 
 
 def read_formula(formula: str, table: dict[str, Parameter], *, constant: bool = False) -> Expr:

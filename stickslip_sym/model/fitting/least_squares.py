@@ -330,4 +330,6 @@ def _power_of_speed(unit: str | None) -> int | None:
     powers = {str(base): power for base, power in parse_unit(unit).as_powers_dict().items() if base != 1}
     length = powers.pop("[m]", 0)
     time = powers.pop("[s]", 0)
-    return int(length) if length == -time and int(length) == length and not powers else None
+    if length == -time and int(length) == length and not powers:
+        return int(length)
+    return None

@@ -127,7 +127,9 @@ class Fit(_Report, DataResult, by_identity=True):
     @property
     def variance(self) -> float:
         """By how much the sum of squares rises for one standard error: 1 for independent noise of known sigma."""
-        return self.inflation if self.measured.sigma is not None else self.chi_squared / self.dof
+        if self.measured.sigma is not None:
+            return self.inflation
+        return self.chi_squared / self.dof
 
     @cached_property
     def residuals(self) -> FloatArray:
@@ -195,7 +197,9 @@ class Fit(_Report, DataResult, by_identity=True):
         others = np.array([p for key, p in self.values.items() if key != name])
         minimum = Problem(self.free_law.bind(**{name: value}), self.measured).minimum(others)
         rise = math.inf if minimum is None else minimum.chi_squared - self.chi_squared
-        return min(rise / max(self.variance, 1e-300), 1e300) if rise > 0 else 0.0
+        if rise > 0:
+            return min(rise / max(self.variance, 1e-300), 1e300)
+        return 0.0
 
     def _gap(self, name: str, side: int, level: float) -> float:
         """Return up to which measured speed a jump may be; infinite beyond all of them.
@@ -240,7 +244,9 @@ class Fit(_Report, DataResult, by_identity=True):
         above = min(0.5, farthest)
         while risen(above) <= 0:
             if above >= farthest:
-                return 0.0 if bounded else math.copysign(math.inf, step)
+                if bounded:
+                    return 0.0
+                return math.copysign(math.inf, step)
             below = above
             above = min(2 * above, farthest)
         return float(value + step * brentq(risen, below, above, xtol=1e-6))

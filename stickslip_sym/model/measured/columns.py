@@ -80,7 +80,9 @@ def read_unit(text: str) -> Unit | None:
     text = re.sub(r"^([^\W_]+)(?:_per_|_| per )([^\W_]+)$", r"\1/\2", text)  # mm_s
     if power := _POWER_OF_TEN.fullmatch(text):
         unit = read_unit(power["unit"])
-        return None if unit is None else Unit(unit.kind, unit.size * Fraction(10) ** int(power["power"]))
+        if unit is None:
+            return None
+        return Unit(unit.kind, unit.size * Fraction(10) ** int(power["power"]))
     if "/" in text and text.isupper():  # MM/S; no unit of a speed differs from another by its capitals alone
         text = text.lower()
     known = _UNITS.get(text)
@@ -89,7 +91,9 @@ def read_unit(text: str) -> Unit | None:
     if torque := _TORQUE.fullmatch(text):
         force = _UNITS.get(torque["force"])
         arm = _UNITS[torque["length"]]
-        return Unit("torque", force.size * arm.size) if force is not None and force.kind == "force" else None
+        if force is not None and force.kind == "force":
+            return Unit("torque", force.size * arm.size)
+        return None
     above, _, below = map(str.strip, (text if "/" in text else _INVERSE.sub(r"/\1", text)).partition("/"))
     length = _UNITS.get(above)
     time = _UNITS.get(below)
@@ -97,7 +101,9 @@ def read_unit(text: str) -> Unit | None:
         return None
     if above in _ANGLES:
         return Unit("rotation", _ANGLES[above] / time.size)
-    return Unit("speed", length.size / time.size) if length is not None and length.kind == "length" else None
+    if length is not None and length.kind == "length":
+        return Unit("speed", length.size / time.size)
+    return None
 
 
 _SPREAD = "sigma|sd|std(dev)?|stdev|(standard)?(error|uncertainty)|standarddeviation|err|scatter"
@@ -192,7 +198,9 @@ class HeaderColumn:
             return cls(text, rest or plain, ("v",), "rpm", number)
         name, unit_text = _name_and_unit(plain)
         column = cls(text, name, _meanings(name), unit_text, number)
-        return replace(column, meanings=("v",)) if name == "n" and column.turns else column
+        if name == "n" and column.turns:
+            return replace(column, meanings=("v",))
+        return column
 
     def without(self, quantity: str) -> "HeaderColumn":
         """Return the column as one that does not hold a quantity."""

@@ -165,7 +165,9 @@ class Measurements(Drawn, TableResult):
     def columns(self) -> dict[str, FloatArray]:
         """The rows in ascending speed as columns of SI units: v, mu, and sigma where it is known."""
         rows = {"v": self.v, "mu": self.mu}
-        return rows if self.sigma is None else rows | {"sigma": self.sigma}
+        if self.sigma is None:
+            return rows
+        return rows | {"sigma": self.sigma}
 
     def _table_columns(self) -> dict[str, FloatArray]:
         return self.columns
@@ -183,12 +185,16 @@ class Measurements(Drawn, TableResult):
     def weights(self) -> FloatArray:
         """What multiplies each residual in a sum of squares: 1/sigma where it is known, less in heavy tails."""
         weights = np.ones(len(self)) if self.sigma is None else 1 / self.sigma
-        return weights if self.tails is None else weights * np.sqrt(self.tails)
+        if self.tails is None:
+            return weights
+        return weights * np.sqrt(self.tails)
 
     @property
     def means(self) -> FloatArray:
         """Coefficients of the mean of rising and falling branches: mu less its hysteresis."""
-        return self.mu if self.branches is None else self.mu - self.branches.hysteresis
+        if self.branches is None:
+            return self.mu
+        return self.mu - self.branches.hysteresis
 
     @cached_property
     def _of_branches(self) -> FloatArray | None:
@@ -208,7 +214,9 @@ class Measurements(Drawn, TableResult):
         Least squares of what is left are those with factors of these differences free.
         """
         columns = self._of_branches
-        return rows if columns is None else np.asarray(rows - (rows @ columns) @ columns.T)
+        if columns is None:
+            return rows
+        return np.asarray(rows - (rows @ columns) @ columns.T)
 
     def averaged(self) -> "Measurements":
         """Return the measurements with one row for each speed: the mean of its rows, and of all branches.
@@ -219,7 +227,9 @@ class Measurements(Drawn, TableResult):
         """
         speeds, index = np.unique(self.v, return_inverse=True)
         if len(speeds) == len(self):
-            return self if self.branches is None else replace(self, mu=self.means, branches=None, tails=None)
+            if self.branches is None:
+                return self
+            return replace(self, mu=self.means, branches=None, tails=None)
         total = np.bincount(index, self.weights**2)
         mean = np.bincount(index, self.weights**2 * self.means) / total
         scatter = 1.0

@@ -64,4 +64,6 @@ def _read_radius(line: int, match: re.Match[str], value: re.Match[str], behind: 
 def _metres(unit: str) -> Fraction | None:
     """Return the size in m of a unit of length; None for any other text."""
     known = dimensions(unit)
-    return known[0] if known is not None and known[1] == _METRES else None
+    if known is not None and known[1] == _METRES:
+        return known[0]
+    return None

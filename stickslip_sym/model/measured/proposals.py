@@ -130,7 +130,9 @@ def _speed(columns: Sequence[HeaderColumn], values: Mapping[int, FloatArray]) ->
             not any(pattern.search(column.name) for pattern in (*_FRICTION, _NORMAL)),
         )
 
-    return max(columns, key=likely, default=None) if len(columns) > 1 else None
+    if len(columns) > 1:
+        return max(columns, key=likely, default=None)
+    return None
 
 
 def _friction(columns: Sequence[HeaderColumn]) -> HeaderColumn | None:
@@ -167,13 +169,19 @@ def _unit_of_speed(column: HeaderColumn, others: Sequence[HeaderColumn], values:
     if _RPM.search(column.text):
         return "rpm"
     size = float(np.max(np.abs(values[column.number - 1])))
-    return "m/s" if size <= _SPEED_IN_METRES else "mm/s" if size <= _SPEED_IN_MILLIMETRES else "um/s"
+    if size <= _SPEED_IN_METRES:
+        return "m/s"
+    if size <= _SPEED_IN_MILLIMETRES:
+        return "mm/s"
+    return "um/s"
 
 
 def _give_unit(column: HeaderColumn, unit: str, *kinds: str) -> str | int:
     """Return a column by its number, with a unit where it has none of these kinds."""
     known = column.unit is not None and column.unit.kind in kinds
-    return column.number if known or not unit else f"{column.number} [{unit}]"
+    if known or not unit:
+        return column.number
+    return f"{column.number} [{unit}]"
 
 
 def _normal_force(
@@ -193,7 +201,9 @@ def _normal_force(
     column = replace(column, meanings=("F_t",), unit_text=match["unit"] or column.unit_text, chosen=True)
     largest = float(np.max(np.abs(values[column.number - 1]), initial=0.0)) * float(column.size)
     least = _LEAST_RATIO * (largest / float(_ANY) if column.is_torque else largest)
-    return f"{10 ** math.ceil(math.log10(least)):g} N" if least > 0 else _FORCE
+    if least > 0:
+        return f"{10 ** math.ceil(math.log10(least)):g} N"
+    return _FORCE
 
 
 def _written(written: WrittenRadius | None) -> str:

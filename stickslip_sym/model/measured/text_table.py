@@ -87,7 +87,9 @@ class Table:
 
     def cell(self, quantity: str, row: int) -> str:
         """Return what stands in a cell."""
-        return f"{self.values[quantity][row]:.12g}" if self.values else self.cells[quantity][row]
+        if self.values:
+            return f"{self.values[quantity][row]:.12g}"
+        return self.cells[quantity][row]
 
     def numbers(self, quantity: str, per: str | None = None) -> FloatArray:
         """Return a column in SI units, or its ratio to another, rounded but once.

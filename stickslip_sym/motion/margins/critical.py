@@ -303,7 +303,9 @@ def excess(points: OperatingPoints, c: float, method: Method | None) -> float:
     if mismatch.leaves and math.isfinite(system.w_max):
         return math.nan
     is_sure = math.isinf(mismatch.value) or abs(mismatch.value) > mismatch.rounding
-    return min(max(float(mismatch.value), -1.0), 1.0) if is_sure else 0.0
+    if is_sure:
+        return min(max(float(mismatch.value), -1.0), 1.0)
+    return 0.0
 
 
 def _read_places(within: Sequence[float | str] | None) -> FloatArray | None:
@@ -359,7 +361,9 @@ class _Scale(NamedTuple):
         return cls(low, high, sign)
 
     def argument(self, x: float) -> float:
-        return self.sign * math.log(self.sign * x) if self.sign else x
+        if self.sign:
+            return self.sign * math.log(self.sign * x)
+        return x
 
     def values(self, u: FloatArray) -> FloatArray:
         if self.sign:
@@ -642,7 +646,9 @@ class _Search:
             return min(max(gap, -1.0), 1.0)
 
         polished = _polished(off, root)
-        return None if polished is None else self._result(scale.value(polished))
+        if polished is None:
+            return None
+        return self._result(scale.value(polished))
 
     def _confirmed(self, x: float, width: float) -> Critical | None:
         """Return the root beside one of a polynomial, if the slip from P returns on one side of it only.
@@ -660,7 +666,9 @@ class _Search:
             fates = [excess(self.at(result.value + side * beside), self.c, self.method) for side in (-1, 1)]
         except NO_RESULT:
             return None
-        return result if fates[0] * fates[1] < 0 else None
+        if fates[0] * fates[1] < 0:
+            return result
+        return None
 
     # -- where the law varies quickly --------------------------------------------------------------
 
@@ -712,7 +720,9 @@ class _Search:
         system = NondimensionalOscillator.of(points.bound, points.oscillator(0))
         zeta, _ = orbit_damping_ratio(system, rtol=_THRESHOLD_RTOL, fast=self.work > _FEW_THRESHOLDS)
         slip = replace(system, zeta=zeta).slip(0.0, 0.0, until=SlipEnd.MAXIMUM, rtol=TIGHT)
-        return system.V * slip.w if slip.end is SlipEnd.MAXIMUM else math.inf
+        if slip.end is SlipEnd.MAXIMUM:
+            return system.V * slip.w
+        return math.inf
 
     # -- stretches with thresholds -----------------------------------------------------------------
 
@@ -842,7 +852,9 @@ def _polished(function: Callable[[float], float], root: Root) -> float | None:
     """Return where a function changes its sign about a root, up to where it turns; None if it does not."""
     step = _FLAT * max(1.0, abs(root.x))
     if root.low == root.high:
-        return root.x if function(root.x - step) * function(root.x + step) < 0 else None
+        if function(root.x - step) * function(root.x + step) < 0:
+            return root.x
+        return None
     while True:
         low = max(root.low, root.x - step)
         high = min(root.high, root.x + step)

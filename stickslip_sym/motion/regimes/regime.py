@@ -118,7 +118,9 @@ class Regime(Drawn, DataResult):
     def _peak(self) -> float | None:
         """The peak of velocity, over V, after a slip from P that stays slower than the belt; else None."""
         height = self.height
-        return None if isinstance(height, Unknown) or height <= 0 else 1 - height
+        if isinstance(height, Unknown) or height <= 0:
+            return None
+        return 1 - height
 
     @property
     def _comes_back(self) -> bool:
@@ -154,7 +156,9 @@ class Regime(Drawn, DataResult):
     @cached_property
     def slip_cycles(self) -> tuple[LimitCycle, ...]:
         """The limit cycles in pure slip up to the belt's speed, by ascending amplitude."""
-        return () if self._growth_of_all else limit_cycles(self.law, self.oscillator)
+        if self._growth_of_all:
+            return ()
+        return limit_cycles(self.law, self.oscillator)
 
     @cached_property
     def growth(self) -> tuple[int, ...]:
@@ -186,7 +190,9 @@ class Regime(Drawn, DataResult):
     @cached_property
     def stick_slip(self) -> StickSlipCycle | None:
         """The stick-slip cycle; None if the slip from P does not come back to stick."""
-        return stick_slip_cycle(self.law, self.oscillator, rtol=self.rtol) if self._comes_back else None
+        if self._comes_back:
+            return stick_slip_cycle(self.law, self.oscillator, rtol=self.rtol)
+        return None
 
     @cached_property
     def outside(self) -> Rounds:

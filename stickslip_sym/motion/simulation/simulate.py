@@ -214,7 +214,9 @@ def _position_at_rest(system: NondimensionalOscillator, osc: Oscillator, x_P: fl
 
     A jump of mu holds the mass wherever it is.
     """
-    return x if w == 1 and 1.0 in system.rise.levels else x_P + osc.length * system.turn(1.0)
+    if w == 1 and 1.0 in system.rise.levels:
+        return x
+    return x_P + osc.length * system.turn(1.0)
 
 
 _OUTCOMES = {SlipEnd.REST: Outcome.AT_REST, SlipEnd.STEPS: Outcome.STEP_LIMIT, SlipEnd.LATE: Outcome.TIME_LIMIT}
@@ -227,7 +229,9 @@ def _outcome_of(system: NondimensionalOscillator, slip: Slip[float], rtol: float
     if system.unbounded(slip):
         return Outcome.UNBOUNDED, "damping and friction feed the motion: try a shorter t_end, or a larger c"
     refusal = system.refusal(slip, rtol)
-    return (Outcome.FINISHED, "") if refusal is None else (Outcome.UNDEFINED, str(refusal))
+    if refusal is None:
+        return (Outcome.FINISHED, "")
+    return (Outcome.UNDEFINED, str(refusal))
 
 
 class _Ends:

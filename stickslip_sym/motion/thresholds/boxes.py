@@ -303,7 +303,9 @@ class ValidatedIntegrator:
         highest = arb(self.w.abs_upper())
         time = 2 * highest / abs(rate)
         most = self.segment.rate(self.q.union(self.q + time), arb(0).union(highest))
-        return most if most < 0 and highest / abs(most) < time else None
+        if most < 0 and highest / abs(most) < time:
+            return most
+        return None
 
     def _follow(self, step: Flow) -> Transit | None:
         """Go to the end of a step, or to the turn or the kink on the way."""
@@ -344,7 +346,9 @@ class ValidatedIntegrator:
             return -1 if w < low else None
         if high is not None and not w < high:
             return 1 if w > high else None
-        return 0 if self.number or w > 0 or self.q >= 0 else None
+        if self.number or w > 0 or self.q >= 0:
+            return 0
+        return None
 
     def _require_inside(self, step: Flow, until: arb) -> None:
         """Show that w stays in the segment, and above 0, up to a time, halving what is too wide to tell."""

@@ -286,7 +286,9 @@ def _ask_in_turn(points: OperatingPoints, rtol: float, prove: bool) -> Iterator[
 
 def accuracy(error: float | None, form: str = ".0e") -> str:
     """Return a relative error as text."""
-    return "unknown" if error is None or not np.isfinite(error) else format(error, form)
+    if error is None or not np.isfinite(error):
+        return "unknown"
+    return format(error, form)
 
 
 def _best_value(points: OperatingPoints, computed: Computed, row: int) -> str:

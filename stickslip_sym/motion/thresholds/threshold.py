@@ -125,7 +125,9 @@ class Threshold(Report, QuantityResult, TableResult, Generic[Value]):
     def budget(self) -> Budget | None:
         """Which standard error brings how much of the threshold's; None without errors."""
         names, covariance = standard_errors(self.points)
-        return Budget.of(names, covariance, self.sensitivity, self.points.shape) if names else None
+        if names:
+            return Budget.of(names, covariance, self.sensitivity, self.points.shape)
+        return None
 
     @property
     def nonlinearity(self) -> Any:
@@ -188,7 +190,9 @@ class Threshold(Report, QuantityResult, TableResult, Generic[Value]):
         if not self.has_standard_error:
             return None
         budget: Budget | None = vars(self).get("budget")
-        return np.full(self.points.shape, np.nan) if budget is None else budget.uncertainty
+        if budget is None:
+            return np.full(self.points.shape, np.nan)
+        return budget.uncertainty
 
     def accuracy(self, index: tuple[int, ...] = (), form: str = ".0e") -> str:
         """Return the error of one value as text: relative, or in kg/s where the value is 0 within its error."""
@@ -201,7 +205,9 @@ class Threshold(Report, QuantityResult, TableResult, Generic[Value]):
         if not math.isfinite(error) or abs(value) >= max(error, least) > 0:
             return f"relative error {most}{accuracy(off, form)}"
         text = f"error {most}{error:{form}} kg/s" if error else "error 0"
-        return text if off >= 1 or not error else f"{text}, which is {off:{form}} of {VANISHING:.0e} N <|mu'|>"
+        if off >= 1 or not error:
+            return text
+        return f"{text}, which is {off:{form}} of {VANISHING:.0e} N <|mu'|>"
 
     def __repr__(self) -> str:
         return f"Threshold: {self}"

@@ -97,7 +97,9 @@ class Budget(Report, TableResult):
 
 def shaped(column: FloatArray, shape: tuple[int, ...]) -> Any:
     """Return a flat array in the shape that the operating points had, as a float for one point."""
-    return float(column[0]) if shape == () else np.asarray(column).reshape(shape)
+    if shape == ():
+        return float(column[0])
+    return np.asarray(column).reshape(shape)
 
 
 def ranged(values: Numbers, form: str) -> str:

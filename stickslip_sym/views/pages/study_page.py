@@ -95,7 +95,9 @@ def _chance(chance: float, least: float) -> Markup:
 def _digits(threshold: Threshold[float]) -> int:
     """Return the digits of a threshold that its own error leaves."""
     error = threshold.relative_error
-    return _MOST_SHOWN_DIGITS if not error else min(max(1 - math.floor(math.log10(error)), 2), _MOST_SHOWN_DIGITS)
+    if not error:
+        return _MOST_SHOWN_DIGITS
+    return min(max(1 - math.floor(math.log10(error)), 2), _MOST_SHOWN_DIGITS)
 
 
 def _formula(left: sp.Expr, expr: sp.Expr) -> Markup:
