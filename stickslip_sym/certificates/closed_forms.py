@@ -64,7 +64,10 @@ def _script_title(forms: Sequence[ClosedForm]) -> str:
     first = f"The damping coefficient c of {which}: a statement, data, and a checker that trusts no data."
     if unproved:
         first = f"Not proved here, and compared at points only: the average of {', '.join(unproved)}."
-    listed = [] if len(names) == 1 and not unproved else ["", *(f"- {name}" for name in names)]
+    if len(names) == 1 and not unproved:
+        listed = []
+    else:
+        listed = ["", *(f"- {name}" for name in names)]
     lines = [shorten(text.replace("\\", "/").replace('"', "'"), WIDTH - 10) for text in (first, *listed)]
     return "\n".join([f'"""{lines[0]}', *lines[1:], "", _INTRODUCTION, '"""'])
 
@@ -284,7 +287,10 @@ class _Claim:
         for made in rows:
             name = self.names[made.symbol]
             meaning = meanings[made.symbol]
-            text = f"({self.names[meaning[0]]}, {meaning[1]})" if isinstance(meaning, tuple) else in_code(meaning)
+            if isinstance(meaning, tuple):
+                text = f"({self.names[meaning[0]]}, {meaning[1]})"
+            else:
+                text = in_code(meaning)
             functions.append(script_line(f"    {name}: ({text}, {in_code(made.slope or sp.S.Zero)}),"))
             if made.square is not None:
                 roots.append(f"{name}: {in_code(made.square)}")

@@ -42,7 +42,9 @@ def run(given: Given) -> None:
     at.exact("critical --of " + of)
     text = given["within"]
     unit = options.unit_of_option(at.law, of)
-    within = None if text is None else options.read_range(text, "--within", of=of, unit=unit)
+    within = None
+    if text is not None:
+        within = options.read_range(text, "--within", of=of, unit=unit)
     given.reject_unused()
     with show_progress(f"critical values of {of}"):
         values = ss.critical(at.law, of, **how | at.numbers, within=within)

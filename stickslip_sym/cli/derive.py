@@ -64,7 +64,10 @@ def run(given: Given) -> None:
     for criterion, form in derivations.items():
         closed = None if isinstance(form, NoClosedForm) else form
         with show_progress("table of values"):
-            checks = None if law.missing else crosscheck(law, criterion, at.texts, closed)
+            if law.missing:
+                checks = None
+            else:
+                checks = crosscheck(law, criterion, at.texts, closed)
         rows.append({"criterion": criterion.name, "form": form, "checks": checks})
         lines = [f"no closed form: {law.name or 'the law'}, {criterion.name}"]
         if closed is not None:

@@ -29,7 +29,9 @@ def run(given: Given) -> None:
     plot = None if given["law"] is None else given["plot"]
     given.reject_unused()
     laws = list(ss.laws.values()) if name is None else [ss.laws.find(name)]
-    wanted = [] if name is None else [(laws[0], criterion) for criterion in criteria_of("all")]
+    wanted = []
+    if name is not None:
+        wanted = [(laws[0], criterion) for criterion in criteria_of("all")]
     forms = {criterion.name: form for (_, criterion), form in zip(wanted, derived(wanted), strict=True)}
     if plot is not None:
         laws[0].typical().plot(plot, v_max=2 * float(PAPER["V"]))

@@ -40,7 +40,9 @@ def read_axis_option(text: str, option: str, law: ss.FrictionLaw) -> tuple[str, 
         read_number(si_number(end, name, options.unit_of_option(law, name)), f"the {which} of {name}")
         for which, end in zip(("start", "stop"), ends, strict=True)
     )
-    count = int(parts[2]) if parts[2].isdecimal() and len(parts[2]) <= 7 else 0
+    count = 0
+    if parts[2].isdecimal() and len(parts[2]) <= 7:
+        count = int(parts[2])
     if not 1 <= count <= _MOST_AXIS_VALUES or start > stop or (start == stop) != (count == 1):
         raise InputError(
             f"{option} {text[:60]!r}: the start must lie below the stop, or equal it with a count of 1; and "

@@ -63,7 +63,9 @@ class Program(click.Group):
     def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
         """Return the commands and options that begin so, without loading a command."""
         begun = [name for name in COMMANDS if name.startswith(incomplete)]
-        options = click.Command.shell_complete(self, ctx, incomplete) if incomplete.startswith("-") else []
+        options = []
+        if incomplete.startswith("-"):
+            options = click.Command.shell_complete(self, ctx, incomplete)
         return [CompletionItem(name, help=_summary(name)) for name in begun] + options
 
     def invoke(self, ctx: click.Context) -> Any:

@@ -82,7 +82,9 @@ def _report(motion: "Trajectory", end: str | None, periods: list[float]) -> str:
         *([motion.note] if motion.note else []),
     ]
     if periods:
-        changes = f", the one before {periods[-2]:.12g} s" if len(periods) > 1 else ""
+        changes = ""
+        if len(periods) > 1:
+            changes = f", the one before {periods[-2]:.12g} s"
         lines.append(f"periods from slip to slip: {len(periods)}, the last {periods[-1]:.12g} s{changes}")
     else:
         lines.append("periods: fewer than two slips from stick")

@@ -77,7 +77,9 @@ def run(given: Given) -> None:
     contents = []
     texts = []
     for point in at:
-        suffix = f"-{point.file.stem}" if len(at) > 1 and point.file is not None else ""
+        suffix = ""
+        if len(at) > 1 and point.file is not None:
+            suffix = f"-{point.file.stem}"
         page, paper, sliders = (path and path.with_stem(path.stem + suffix) for path in (output, pdf, explore))
         osc = ss.Oscillator(**point.numbers)
         written = list[str]()

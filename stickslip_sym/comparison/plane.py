@@ -21,7 +21,10 @@ _AVERAGES = ("equilibrium", "least_squares", "harmonic")
 
 def plane(law: FrictionLaw, given: Mapping[str, float | UFloat], speed: float) -> Plane:
     """Return the thresholds, for given N, m and k, up to twice a belt speed, or as far as mu was measured."""
-    top = _REACHED * speed if law.v_max is None else min(_REACHED * speed, float(law.v_max) / 2)
+    if law.v_max is None:
+        top = _REACHED * speed
+    else:
+        top = min(_REACHED * speed, float(law.v_max) / 2)
     V = np.linspace(top / _CURVE_POINTS, top, _CURVE_POINTS)
     averages = {name: pure_slip_damping(law, V=V, N=given["N"], method=name).value for name in _AVERAGES}
 

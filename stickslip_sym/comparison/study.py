@@ -372,16 +372,24 @@ def study(
     require_type("measured", measured, Measurements | None, "what read_measurements gives")
     require_type("name", name, str | None, "text")
     require_type("defaults", defaults, Iterable, "an iterable of names")
-    fit = law.best if isinstance(law, Fits) else law if isinstance(law, Fit) else None
+    fit: Fit | None = None
+    fits: Fits | None = None
+    if isinstance(law, Fits):
+        fit = law.best
+        fits = law
+    elif isinstance(law, Fit):
+        fit = law
+        fits = Fits([law], law.measured, {})
     friction = fit.law.bind(**fit.uncertain) if fit is not None else as_law(law)
     friction.require_values()
     carried = carried_by(osc, errors or {})
     friction.require_speed(osc.V)
     limit = require_seconds(time_limit)
     seconds = _EACH if limit is None else limit
-    fits = Fits([law], law.measured, {}) if isinstance(law, Fit) else law if isinstance(law, Fits) else None
     subject = _Subject(friction, osc, carried, fits, seconds)
-    own = [] if fit is None else [text for text in (fit.extrapolation(osc.V), *fit.warnings) if text]
+    own = []
+    if fit is not None:
+        own = [text for text in (fit.extrapolation(osc.V), *fit.warnings) if text]
     with warnings.catch_warnings(record=True) as caught, report_steps_to(progress and _named_to(progress)):
         warnings.simplefilter("always")
         parts, refused = _computed(subject)

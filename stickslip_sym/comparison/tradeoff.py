@@ -182,7 +182,12 @@ def tradeoff(
     True
     """
     law = as_law(law)
-    kinds = [of] if isinstance(of, str) else list(of) if isinstance(of, Sequence) else []
+    if isinstance(of, str):
+        kinds = [of]
+    elif isinstance(of, Sequence):
+        kinds = list(of)
+    else:
+        kinds = []
     if not kinds:
         raise InputError(f"of = {of!r} names nothing to measure; known: {', '.join(KINDS)}")
     for kind in kinds:

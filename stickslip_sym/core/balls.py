@@ -165,7 +165,10 @@ class _Balls:
         """Return z^p: by the logarithm, and for p > 0 around 0, where there is none, within the largest size."""
         # A ball that is not finite holds 0 too, but says nothing of its size.
         if not analytic and exponent.real > 0 and exponent.imag == 0 and base.is_finite() and base.contains(0):
-            size = arb(0) if base == 0 else arb(base.abs_upper()) ** exponent.real
+            if base == 0:
+                size = arb(0)
+            else:
+                size = arb(base.abs_upper()) ** exponent.real
             around = arb(0, size.abs_upper())
             return acb(around, around)
         return base.pow(exponent, analytic)
@@ -255,7 +258,8 @@ def number_at(expr: Expr, point: Mapping[Expr, Expr]) -> Expr:
     It is exact where sums, products, whole powers, Abs, Min, Max and pieces suffice, else a Float of 4000 bits;
     NaN where there is no finite real value.
     """
-    expr = resolve_kinks(expr, point) if expr.has(sp.Piecewise) else expr
+    if expr.has(sp.Piecewise):
+        expr = resolve_kinks(expr, point)
     if (exact := fold(expr, _rationals(point))) is not None:
         return exact
     with working_precision(_NUMBER_BITS + 64):

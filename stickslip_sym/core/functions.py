@@ -540,7 +540,9 @@ CONSTANTS = {
 
 def row(expr: Expr) -> Function | None:
     """Return the row of the function that an expression applies to its arguments; None for any other node."""
-    kind = sp.exp if expr.is_Pow and expr.base is sp.E else expr.func
+    kind = expr.func
+    if expr.is_Pow and expr.base is sp.E:
+        kind = sp.exp
     return FUNCTIONS.get(kind) or FUNCTIONS.get(kind.__base__)  # a class of ours may stand for SymPy's
 
 

@@ -60,7 +60,9 @@ def require_sign(name: str, value: float | Expr) -> None:
     """Refuse a value of V, N, m or k that is not positive; a normal force may be 0."""
     if value < 0 or (value == 0 and name != "N"):
         required = "not be negative" if name == "N" else "be positive"
-        advice = f"; {_NO_BELT[bool(value < 0)]}" if name == "V" else ""
+        advice = ""
+        if name == "V":
+            advice = f"; {_NO_BELT[bool(value < 0)]}"
         raise InputError(
             f"{name} = {float(value):g} must {required}: it is the {QUANTITIES[name].meaning}{advice}"
         )

@@ -155,7 +155,9 @@ def _simple_ratio(number: Expr) -> Rational:
     """Return a SymPy Float as the ratio of small integers that it rounds, such as 1/3; if it is none, exactly."""
     exactly = fraction(number, "a number of the weight")
     simple = exactly.limit_denominator(_LARGEST_DENOMINATOR)
-    ratio = simple if abs(simple - exactly) <= _ROUNDING_OF_RATIO * max(Fraction(1), abs(exactly)) else exactly
+    ratio = exactly
+    if abs(simple - exactly) <= _ROUNDING_OF_RATIO * max(Fraction(1), abs(exactly)):
+        ratio = simple
     return sp.Rational(ratio.numerator, ratio.denominator)
 
 

@@ -322,7 +322,8 @@ def average_enclosure(
     low, high = criterion.ends
     bits = ctx.prec
     if (start := start_of(vanished, point, reach, bits)) is not None:
-        start = start.min(places[0].lower() / 2) if places else start
+        if places:
+            start = start.min(places[0].lower() / 2)
         # The variable tells the start from its end, where it is 1 + s and the start is far lower.
         with working_precision(ctx.prec + max(0, math.ceil(float((reach / start).log()) / math.log(2)))):
             share = start / speed if criterion.is_polynomial else (start / reach).sqrt().asin()

@@ -227,7 +227,9 @@ def _following_cancellation(compute: Callable[[Mpf], tuple[Mpf, Mpf]], digits: i
     while True:
         with mp.workdps(digits + _GUARD_DIGITS + lost):
             total, size = compute(mp.mpf(10) ** -(digits + lost + _GUARD_DIGITS // 2))
-            bits = mp.mag(size) - mp.mag(total) if total else mp.inf
+            bits = mp.inf
+            if total:
+                bits = mp.mag(size) - mp.mag(total)
             needed = max(0, bits * math.log10(2) + 1)
         if needed <= lost + 1:
             return total
@@ -277,12 +279,18 @@ def _integral_by_parts(
             ends[-1] * mp.mpf(10) ** -k for k in (_ORDERS_BELOW_BELT_SPEED, 2 * _ORDERS_BELOW_BELT_SPEED)
         )
         values = [abs(integrand(x)) for x in (near, nearer)]
-        steepness = mp.log(values[1] / values[0]) / mp.log(near / nearer) if all(values) else 0
-        power = max(power, min(int(1 / (1 - steepness)), _MOST_STRETCHING)) if 0 < steepness < 1 else power
+        steepness = 0
+        if all(values):
+            steepness = mp.log(values[1] / values[0]) / mp.log(near / nearer)
+        if 0 < steepness < 1:
+            power = max(power, min(int(1 / (1 - steepness)), _MOST_STRETCHING))
         ends = [mp.root(end, power) for end in ends]
     panels = pairwise(ends)
     parts = [_adaptive(stretched if singular else integrand, *panel, tolerance, rule) for panel in panels]
-    rest = V * mp.mpf(10) ** (-4 * mp.dps) if singular else mp.mpf(0)
+    if singular:
+        rest = V * mp.mpf(10) ** (-4 * mp.dps)
+    else:
+        rest = mp.mpf(0)
     low, high = criterion.ends
     parts += [own_mpf(weight) * mu(v) / V for weight, v in ((low, rest), (-high, 2 * V)) if weight]
     return mp.fsum(parts), mp.fsum(parts, absolute=True)

@@ -100,7 +100,10 @@ class Average:
             ):
                 continue
             line = sp.Poly(base, symbols.v)
-            rate = line.nth(1) / line.nth(0) if line.degree() == 1 and line.nth(0) != 0 else sp.S.Zero
+            if line.degree() == 1 and line.nth(0) != 0:
+                rate = line.nth(1) / line.nth(0)
+            else:
+                rate = sp.S.Zero
             if not rate.is_nonnegative and (exponent.is_Integer or line.nth(0).is_positive):
                 lines[base] = line.nth(0), rate
         return lines
@@ -242,7 +245,9 @@ class Average:
 
 def _vanishes_at_one(base: Expr) -> bool:
     """Whether a function of v is 1 - v^n, n > 1, or -log(v), perhaps times a positive number."""
-    of_speed = base.as_independent(symbols.v, as_Add=False)[1] if base.is_Mul else base
+    of_speed = base
+    if base.is_Mul:
+        of_speed = base.as_independent(symbols.v, as_Add=False)[1]
     power = sp.expand(1 - of_speed)
     is_power = power.is_Pow and power.base == symbols.v and (power.exp - 1).is_positive
     return bool(is_power or base.as_base_exp()[0] in (-sp.log(symbols.v), -1 / sp.log(symbols.v)))

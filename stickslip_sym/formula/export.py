@@ -50,7 +50,10 @@ _UNDESCRIBED = "parameters of the law"
 
 def _as_list(items: Any, kind: Any, expected: str) -> list[Any]:
     """Return one item, or several, as a list; refuse none, and any of another kind."""
-    listed = list(items) if isinstance(items, Iterable) and not isinstance(items, str) else [items]
+    if isinstance(items, Iterable) and not isinstance(items, str):
+        listed = list(items)
+    else:
+        listed = [items]
     for item in listed:
         if not isinstance(item, kind):
             raise InputError(f"{type(item).__name__} cannot be exported; give {expected}")
@@ -236,7 +239,9 @@ def _symbol_table(law: FrictionLaw, names: Mapping[str, str]) -> str:
 
 def _meaning(text: str, names: Mapping[str, str]) -> str:
     before, slip, after = text.replace("|x' - V|", "|V - x'|").partition("|V - x'|")
-    speed = f"$|{names['V']} - \\dot{{{names['x']}}}|$" if slip else ""
+    speed = ""
+    if slip:
+        speed = f"$|{names['V']} - \\dot{{{names['x']}}}|$"
     return f"\\raggedright {prose_latex(before, names)}{speed}{prose_latex(after, names)}"
 
 
@@ -259,7 +264,9 @@ def _criterion_section(
     criterion = form.criterion
     (shown, letters) = form.readable
     names = notation_of(["mu", *quantities.QUANTITIES, *shown.law.parameters], given)
-    source = f" ({prose_latex(criterion.source, {'V': names['V']})})" if criterion.source else ""
+    source = ""
+    if criterion.source:
+        source = f" ({prose_latex(criterion.source, {'V': names['V']})})"
     label = f"eq:{mark}-{criterion.label}"
     lines = [
         f"The {prose_latex(criterion.name.replace('_', '-'))} criterion{source} is",
@@ -270,7 +277,9 @@ def _criterion_section(
     lines += [_hypergeometric_cases(z, names) for z in arguments_of_arctangents(shown.expr)]
     lines += [*_limit_sentences(shown, names), _vanishing(form, names)]
     kind = "Proof for Coq" if certificate.endswith(".v") else "Certificate"
-    note = f"\\footnote{{{kind}: \\texttt{{{prose_latex(certificate)}}}.}}" if certificate else ""
+    note = ""
+    if certificate:
+        note = f"\\footnote{{{kind}: \\texttt{{{prose_latex(certificate)}}}.}}"
     lines.append(f"Verification: {form.verdict.status.value}; {prose_latex(form.verdict.evidence)}.{note}")
     yield "\n".join(lines)
     if steps:

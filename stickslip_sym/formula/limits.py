@@ -60,7 +60,9 @@ def _leading_limits(limits: list[Expr | None], sign: int) -> Expr | None:
         return None
     parts = [part for limit in limits for part in sp.Add.make_args(sp.expand(limit))]
     if any(part.has(sp.oo, -sp.oo) for part in parts):
-        total = sp.nan if any(part.has(symbols.V) for part in parts) else sp.Add(*parts)
+        total = sp.nan
+        if not any(part.has(symbols.V) for part in parts):
+            total = sp.Add(*parts)
         if total in (sp.oo, -sp.oo):
             return total
         return None
@@ -85,7 +87,9 @@ def _average_limit_at_rest(slope: Expr, criterion: Criterion) -> Expr | None:
         return None  # its first piece may end at 0
     monomials = [term.as_coeff_exponent(V) for term in sp.Add.make_args(sp.expand(slope))]
     poles = [(c, p) for c, p in monomials if not c.has(V) and p.is_negative]
-    rest = sp.expand(slope) - sp.Add(*[c * V**p for c, p in poles]) if poles else slope
+    rest = slope
+    if poles:
+        rest = sp.expand(slope) - sp.Add(*[c * V**p for c, p in poles])
     value = rest.subs(V, 0)  # what is finite there is continuous
     roots = [power for power in rest.atoms(sp.Pow) if power.base.subs(V, 0) == 0]
     finite = all(power.exp.is_nonnegative for power in roots) and not value.has(sp.zoo, sp.nan, sp.oo)

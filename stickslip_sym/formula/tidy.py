@@ -45,7 +45,9 @@ def tidy(expr: Expr, model: Expr, small: Expr) -> Expr:
 def _tidy_factors(expr: Expr, functions: list[Expr], model: Expr, small: Expr) -> Expr:
     factors = []
     for factor in sp.Mul.make_args(sp.Mul(*map(_rooted, sp.Mul.make_args(factored(expr))))):
-        sign = -1 if factor.is_Add and _should_flip(factor, model, small) else 1
+        sign = 1
+        if factor.is_Add and _should_flip(factor, model, small):
+            sign = -1
         factor *= sign
         if factor.is_Add and factor.has(*functions):
             factor = sp.collect(factor, functions, factored)

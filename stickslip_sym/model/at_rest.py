@@ -95,11 +95,15 @@ def _rise_of_piece(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start
     before = 0.0
     if start:  # computed by balls: the two may be close
         ends = number_at(piece, {**values, symbols.v: start}), number_at(lowest, {**values, symbols.v: sp.S.Zero})
-        before = float(ends[0] - ends[1]) if all(end.is_finite for end in ends) else math.nan
+        before = math.nan
+        if all(end.is_finite for end in ends):
+            before = float(ends[0] - ends[1])
     if gained is None and start == 0 and (series := coefficient_near_rest(piece, values)) is not None:
         reach, polynomial = series
         return lambda v: np.where(v <= reach, polynomial.rise(v), _plain_difference(plain, onset, v))
-    risen = None if gained is None else function_at(gained, {**values, _START: start}, "numpy")
+    risen = None
+    if gained is not None:
+        risen = function_at(gained, {**values, _START: start}, "numpy")
     with np.errstate(all="ignore"):
         large = (np.abs(reals(plain(_SPEEDS)) - onset) > _ACCURATE_DIFFERENCE) & (float(start) <= _SPEEDS)
     terms = cache(lambda: _term_by_term(piece, start, values))

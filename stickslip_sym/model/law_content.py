@@ -48,7 +48,8 @@ def law_in(content: dict[str, Any]) -> FrictionLaw:
             None if content["end"] is None else exact(content["end"], "the end"),
         )
         law = FrictionLaw.from_curve(curve, **about)
-        law = law if static is None else law.with_static(static, parameters=parameters)
+        if static is not None:
+            law = law.with_static(static, parameters=parameters)
     else:
         require_type("formula", content["formula"], str, "text")
         law = FrictionLaw(content["formula"], static=static, parameters=parameters, **about)

@@ -190,7 +190,9 @@ class TaylorModel:
 
     def ball(self, v: acb, analytic: bool) -> acb:
         """Return a ball around the values at slip speeds within the radius."""
-        x = v if self.unit == 1 else v.pow(acb(1) / self.unit, analytic)
+        x = v
+        if self.unit != 1:
+            x = v.pow(acb(1) / self.unit, analytic)
         if self.low < 0 and x.contains(0):
             return acb("nan")
         left_out = (self.rest * arb(x.abs_upper()) ** max(self.top - self.low, 0)).abs_upper()
@@ -447,11 +449,16 @@ def _lowest_scale(expr: Expr, point: Mapping[Expr, Expr]) -> float:
     """Return the least slip speed at which an argument of a function or a base is as large as it is at rest."""
     scales = [1.0]
     for node in expr.atoms(sp.Function, sp.Pow):
-        argument = node.exp if node.is_Pow and node.base is sp.E else node.args[0]
+        if node.is_Pow and node.base is sp.E:
+            argument = node.exp
+        else:
+            argument = node.args[0]
         if argument == symbols.v or not argument.is_polynomial(symbols.v):
             continue
         *higher, constant = (abs(float(number_at(c, point))) for c in sp.Poly(argument, symbols.v).all_coeffs())
-        level = constant if node.is_Pow and node.base is not sp.E else 1.0
+        level = 1.0
+        if node.is_Pow and node.base is not sp.E:
+            level = constant
         if level:
             scales += [(level / c) ** (1 / k) for k, c in enumerate(higher[::-1], 1) if c]
     return min(scales)

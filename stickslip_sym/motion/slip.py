@@ -354,7 +354,8 @@ class NondimensionalOscillator:
                 part = tuple(np.array(column[motions], dtype=np.float64) for column in columns)
                 run(rise, part if fast else [column.tolist() for column in part], *settings, rows[motions])
                 low = motions.stop
-                count = 2 * count if begin - time_left() < _BETWEEN_LOOKS else count
+                if begin - time_left() < _BETWEEN_LOOKS:
+                    count = 2 * count
             return True
 
         length = batch if fast else max(len(rows), 1)  # plain Python looks at the time limit itself

@@ -44,7 +44,9 @@ def collect(
     """
     results: list[Result | None] = [None] * len(tasks)
     left = time_left()
-    limited = function if math.isinf(left) else partial(_carry_out_until, time.time() + left, function)
+    limited = function
+    if not math.isinf(left):
+        limited = partial(_carry_out_until, time.time() + left, function)
     done = 0
     with stages() as say:
         say(what, done, len(tasks))

@@ -203,7 +203,9 @@ class Resolved:
                 def off(x: float, sides: dict[float, float] = sides) -> float:
                     return min(max(sides.get(x, self(x)) - level, -_LARGEST_DISTANCE), _LARGEST_DISTANCE)
 
-                x = brentq(off, low.x, high.x) if low.x < high.x else low.x
+                x = low.x
+                if low.x < high.x:
+                    x = brentq(off, low.x, high.x)
                 roots.append(Root(x, low.x, high.x))
         return sorted(roots)
 

@@ -55,7 +55,9 @@ def displayed_equation(
         for symbol, value in (letters or {}).items()
         if symbol in used
     ]
-    said = f"{'with' if where else 'where'} {_listed(numbers)}." if numbers else ""
+    said = ""
+    if numbers:
+        said = f"{'with' if where else 'where'} {_listed(numbers)}."
     return "\n".join([shown, *(["where", *where] if where else []), *([said] if said else [])])
 
 

@@ -192,7 +192,10 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
     def _print_Rational(self, expr: Expr) -> str:
         if text := decimal(expr, shortest=True):
             return text
-        fraction = f"{abs(expr.p)}/{expr.q}" if self._slashes else f"\\frac{{{abs(expr.p)}}}{{{expr.q}}}"
+        if self._slashes:
+            fraction = f"{abs(expr.p)}/{expr.q}"
+        else:
+            fraction = f"\\frac{{{abs(expr.p)}}}{{{expr.q}}}"
         return f"-{fraction}" if expr < 0 else fraction
 
     def _product(self, number: Expr, parts: list[Expr]) -> str:
@@ -236,7 +239,10 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         first = [] if number == 1 and (fraction or parts) else [sp.sympify(number)]
         if not fraction and len(first) + len(parts) == 1:
             return str(self._print([*first, *parts][0]))
-        texts = [fraction] if fraction else [self._print(factor) for factor in first]
+        if fraction:
+            texts = [fraction]
+        else:
+            texts = [self._print(factor) for factor in first]
         for position, factor in enumerate(parts):
             printed = self._print(factor)
             is_last = position == len(parts) - 1
@@ -256,7 +262,12 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             return (_NUMBER, "")
         if base.is_Symbol:
             name = base.name
-            kind = _FORCE if name == "N" else _SPEED if name in "Vvx" else _SYMBOL
+            if name == "N":
+                kind = _FORCE
+            elif name in "Vvx":
+                kind = _SPEED
+            else:
+                kind = _SYMBOL
             greek = latex_name(name).startswith("\\") and not latex_name(name).startswith("\\mathit")
             return (kind, f"{not greek}{name}")
         if base.is_Add:
@@ -333,7 +344,9 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             return str(super()._print_Integral(expr))
         variable, *ends = expr.limits[0]
         printed = self._print(expr.function)
-        sign = "-" if printed.startswith("-") and not expr.function.is_Add else ""
+        sign = ""
+        if printed.startswith("-") and not expr.function.is_Add:
+            sign = "-"
         printed = bracketed(printed) if expr.function.is_Add else printed.removeprefix(sign)
         with self._flat():
             low, high = map(self._print, ends)

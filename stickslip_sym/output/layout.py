@@ -267,7 +267,9 @@ def _sign(character: str) -> str:
     if character in _SIGNS:
         return _SIGNS[character]
     greek = re.fullmatch(r"GREEK (SMALL|CAPITAL) LETTER (FINAL )?(\w+)", unicodedata.name(character, ""))
-    written = latex_name(greek[3].lower() if greek[1] == "SMALL" else greek[3].title()) if greek else "{"
+    written = "{"
+    if greek:
+        written = latex_name(greek[3].lower() if greek[1] == "SMALL" else greek[3].title())
     if "{" not in written:
         return f"${written}$"
     if _NOT_SET.match(character):

@@ -36,9 +36,10 @@ def aligned_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
         shown.add_column(name, overflow="fold", no_wrap=0 < number == max(map(len, column)))
     for row in rows:
         shown.add_row(*row)
-    width = (
-        None if sys.stdout.isatty() else max(TERMINAL_WIDTH, _BESIDE_NUMBERS + sum(numbers) if any(numbers) else 0)
-    )
+    if sys.stdout.isatty():
+        width = None
+    else:
+        width = max(TERMINAL_WIDTH, _BESIDE_NUMBERS + sum(numbers) if any(numbers) else 0)
     # In Jupyter Rich would show a box of its own, and an empty one, as what is printed is kept.
     console = Console(width=width, markup=False, emoji=False, highlight=False, force_jupyter=False)
     with console.capture() as captured:

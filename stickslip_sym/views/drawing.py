@@ -122,7 +122,8 @@ def picture(draw: "Callable[[], Figure]", alt: str) -> Markup:
 
 def save_drawing(figure: "Figure", path: Path) -> None:
     """Write a drawing to a file, in the format of its name; refuse a format that matplotlib does not know."""
-    path = path if path.suffix else path.with_suffix(".png")
+    if not path.suffix:
+        path = path.with_suffix(".png")
     try:
         content = _rendered(figure, path.suffix.lower().removeprefix("."))
     except ValueError as error:

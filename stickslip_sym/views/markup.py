@@ -73,7 +73,9 @@ def block(*parts: str) -> str:
 
 def html_table(header: Sequence[str], rows: Sequence[Sequence[str]], *, caption: str = "") -> Markup:
     """Return rows under a header as a table; cells are plain text, or `Markup`."""
-    title = f"<caption {_PLAIN}>{escaped(caption)}</caption>" if caption else ""
+    title = ""
+    if caption:
+        title = f"<caption {_PLAIN}>{escaped(caption)}</caption>"
     head = "".join(f"<th>{escaped(name)}</th>" for name in header)
     body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in rows)
     return Markup(f"<table>{title}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>")

@@ -32,7 +32,9 @@ def _lines(measured: Measurements) -> list[str]:
 def _first_rows(measured: Measurements) -> HeadedRows:
     columns = measured.columns
     rows = [[f"{value:.6g}" for value in row] for row in zip(*columns.values(), strict=True)]
-    left = [["...", *[""] * (len(columns) - 1)]] if len(rows) > _ROWS_SHOWN else []
+    left = []
+    if len(rows) > _ROWS_SHOWN:
+        left = [["...", *[""] * (len(columns) - 1)]]
     return ["v in m/s", "mu", "sigma"][: len(columns)], rows[:_ROWS_SHOWN] + left
 
 

@@ -66,7 +66,9 @@ def law_as_html(law: FrictionLaw) -> str:
         [markup.inline_formula(names[key]), values.get(key, ""), of.typical or "", of.unit or "", of.meaning]
         for key, of in law.parameters.items()
     ]
-    table = [markup.html_table(["parameter", "value", "typical", "unit", "meaning"], rows)] if rows else []
+    table = []
+    if rows:
+        table = [markup.html_table(["parameter", "value", "typical", "unit", "meaning"], rows)]
     head = law.text if law.curve is not None else _formula_of(law)
     return markup.block(law.name or "friction law", head, *table, *notes)
 

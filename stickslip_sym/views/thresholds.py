@@ -67,7 +67,9 @@ def threshold_as_html(threshold: Threshold[Any]) -> str:
         row = ["..."] * len(_COLUMNS)
         if index is not None:
             text = str(threshold.enclosure or format(value[index], ".10g"))
-            deviation = "" if spread is None else accuracy(float(spread[index]), ".2g")
+            deviation = ""
+            if spread is not None:
+                deviation = accuracy(float(spread[index]), ".2g")
             accurate = threshold.accuracy(index if threshold.points.shape else ())
             place = ", ".join(map(str, index))
             row = [place, text, deviation, str(method[index]), accurate, str(threshold.status)]

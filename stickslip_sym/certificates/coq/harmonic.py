@@ -302,7 +302,9 @@ def slope_over_angle(numerator: Expr, base: Expr, power: int) -> tuple[Expr, Exp
     square = v * (2 * V - v) / V
     degree = int(sp.degree(base, v)) if base.has(v) else 0
     above = sp.expand(square / V * numerator)
-    surplus = max(int(sp.degree(above, v)) - degree * power, 0) if above != 0 else 0
+    surplus = 0
+    if above != 0:
+        surplus = max(int(sp.degree(above, v)) - degree * power, 0)
     rate = sp.Dummy("rate")
     near = sp.symbols(f"a:{degree * (power - 1)}", cls=sp.Dummy)
     far = sp.symbols(f"b:{surplus}", cls=sp.Dummy)

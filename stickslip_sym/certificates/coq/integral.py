@@ -303,7 +303,10 @@ class Integral(Script):
         kernel = self.criterion.kernel.xreplace({symbols.v: self.v}).replace(
             _is_odd, lambda node: -((-node.base) ** node.exp)
         )
-        in_code = " + ".join(f"({self.code(share)})" for share in shares.values()) if shares else self.code(c)
+        if shares:
+            in_code = " + ".join(f"({self.code(share)})" for share in shares.values())
+        else:
+            in_code = self.code(c)
         law = self.law(mu, in_code, excluded, self.part("kernel", kernel=self.code(kernel)))
         total = self._sum(mu, c, shares)
         return self.assembled(

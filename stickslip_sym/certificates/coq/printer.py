@@ -121,7 +121,10 @@ class CoqPrinter(Printer):  # type: ignore[misc]  # SymPy is untyped
         return self._nested("Rmax", *sp.ordered(expr.args))
 
     def _nested(self, name: str, first: Expr, *rest: Expr) -> str:
-        others = self.whole(rest[0]) if len(rest) == 1 else f"({self._nested(name, *rest)})"
+        if len(rest) == 1:
+            others = self.whole(rest[0])
+        else:
+            others = f"({self._nested(name, *rest)})"
         return f"{name} {self.whole(first)} {others}"
 
     # -- sums, products and powers -------------------------------------------------------------------

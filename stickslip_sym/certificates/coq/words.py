@@ -271,7 +271,9 @@ def place_in_condition(relation: Expr, speed: Expr) -> Expr:
     """Return the place of a condition speed < place, or speed <= place, which SymPy may turn round, or scale."""
     difference = sp.expand(relation.lts - relation.gts)
     rate = difference.coeff(speed)
-    place = sp.simplify(speed - difference / rate) if rate.is_positive else speed
+    place = speed
+    if rate.is_positive:
+        place = sp.simplify(speed - difference / rate)
     if place.has(speed):
         raise Unsupported(f"a script in Coq has pieces for v < place, and none for {relation}")
     return place
@@ -284,7 +286,9 @@ def solve_conditions_for_speed(expr: Expr, speed: Expr) -> Expr:
 
 
 def _ordered(relation: Expr, speed: Expr) -> Expr:
-    kind = sp.StrictLessThan if isinstance(relation, sp.StrictLessThan | sp.StrictGreaterThan) else sp.LessThan
+    kind = sp.LessThan
+    if isinstance(relation, sp.StrictLessThan | sp.StrictGreaterThan):
+        kind = sp.StrictLessThan
     return kind(speed, place_in_condition(relation, speed), evaluate=False)
 
 

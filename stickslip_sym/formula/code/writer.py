@@ -181,7 +181,9 @@ class _Writer:
         """Return the whole text."""
         page = self.language.page
         functions = self.functions
-        tables = page.get("tables", "") if any("in_table(" in part for part in self.parts) else ""
+        tables = ""
+        if any("in_table(" in part for part in self.parts):
+            tables = page.get("tables", "")
         main = self.names[0]
         if len(self.names) > 1 and "several" in page:
             handles = "\n".join(f"  criteria.{name} = @{name};" for name in self.names)
@@ -217,9 +219,9 @@ class _Writer:
         texts = {symbol: language.argument.format(i) for i, symbol in enumerate(free.values(), language.first)}
         texts |= {symbol: _number(float(values[str(symbol)]), language) for symbol in fixed}
         point = [float(values[key]) if symbol in fixed else 1.0 for key, symbol in average.arguments.items()]
-        reach = (
-            math.inf if law.v_max is None else float(law.v_max) / (1 if average.criterion.weight is None else 2)
-        )
+        reach = math.inf
+        if law.v_max is not None:
+            reach = float(law.v_max) / (1 if average.criterion.weight is None else 2)
         terms = {f"{name}_term_{i}": term for i, term in enumerate(functions)}
         verdicts = [self._add_term(key, term, point, texts, average) for key, term in terms.items()]
         arguments = [self._argument(key) for key in free]

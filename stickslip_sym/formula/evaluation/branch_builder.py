@@ -260,7 +260,9 @@ class _Builder:
 
     def _is_tabulated(self, r: float) -> bool:
         """Whether few panels are enough in the octave up to a ratio, or it is as close as waves allow."""
-        halvings = 2 if r > self.highest * 2.0 ** _WAVING[0] else math.inf
+        halvings = math.inf
+        if r > self.highest * 2.0 ** _WAVING[0]:
+            halvings = 2
         return not isinstance(attempted(self._panels, r / 2, r, None, halvings), Unknown)
 
     def _powers_alone(self) -> Branches | None:
@@ -299,11 +301,10 @@ class _Builder:
         try:
             series = average_near_rest(expanded(slope, self.point, unit, far=False), self.criterion, unit)
             for decay in self._decays():
-                factor = (
-                    GeneralisedSeries({(0, 0): arb(1)})
-                    if decay is None
-                    else expanded(1 / decay, {}, unit, far=False)
-                )
+                if decay is None:
+                    factor = GeneralisedSeries({(0, 0): arb(1)})
+                else:
+                    factor = expanded(1 / decay, {}, unit, far=False)
                 pair = self._written(series * factor, unit, -1, min(edge, self.lowest * 2.0**_STEPS), decay)
                 if pair is not None and (best is None or pair[0] > best[0]):
                     best = pair
@@ -489,7 +490,9 @@ def _terms_that_count(series: GeneralisedSeries, x: arb, unit: int, condition: f
             return {}
         return None
     least = _NEGLIGIBLE_OF_VALUE * abs(total)
-    late = series.top - (series.top - series.low) / 4 if series.top < math.inf else math.inf
+    late = math.inf
+    if series.top < math.inf:
+        late = series.top - (series.top - series.low) / 4
     if any(e >= late and abs(share) > least for (e, _), share in shares.items()):
         return None
     rest = 0.0

@@ -113,7 +113,10 @@ class ReferenceAverage:
         self.point = point
         self.kinks = [ball(kink).real for kink in kinks_at(profile, point)]
         inner = [binary_fraction(float(low + high) / 2) for low, high in pairwise([arb(0), *self.kinks])]
-        outer = binary_fraction(float(2 * self.kinks[-1])) if self.kinks else sp.Integer(1)
+        if self.kinks:
+            outer = binary_fraction(float(2 * self.kinks[-1]))
+        else:
+            outer = sp.Integer(1)
         pieces = [branch_from(profile, point, place) for place in (*inner, outer)]
         first, *others = pieces
         self.slopes = [balls_from_rest(first, point, slope=_centred(stable_slope_of(first)))]
@@ -299,7 +302,9 @@ class ReferenceAverage:
         smooth = max(sizes[-2:]) <= _PIECE_RTOL * max(sizes) + _NOISE_RADII * noise
         power = max(1, int(sp.ceiling(self.criterion.order_at_rest)))
         negligible = (_NEGLIGIBLE * below / ((high - low) * high**power)).max(arb(SMALLEST))
-        most = (_OVERSHOOT * max(map(abs, heights), key=float)).max(negligible) if smooth else negligible
+        most = negligible
+        if smooth:
+            most = (_OVERSHOOT * max(map(abs, heights), key=float)).max(negligible)
         if not self._bounded(slope, low, high, most):
             return HALVE
         least = max(_NEGLIGIBLE * max(sizes), noise)
@@ -585,7 +590,9 @@ def _power_turns(terms: list[tuple[float, float]]) -> list[float]:
     """Return where two of some powers are equal and no other is larger."""
     turns = []
     for (e, a), (f, b) in combinations(terms, 2):
-        x = (a - b) / (f - e) if e != f else math.inf
+        x = math.inf
+        if e != f:
+            x = (a - b) / (f - e)
         if abs(x) < _LONGEST_LOG and all(c + g * x <= a + e * x + 1 for g, c in terms):
             turns.append(math.exp(x))
     return turns

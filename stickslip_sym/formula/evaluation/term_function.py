@@ -52,7 +52,10 @@ def _function_of_base(expr: Expr, arguments: Sequence[Expr]) -> Callable[[Sequen
     terms = sp.Add.make_args(expr)
     exact = all(term.is_Symbol or (-term).is_Symbol for term in terms) and len(terms) == 2
     one_sign = all(term.is_positive for term in terms) or all(term.is_negative for term in terms)
-    size = sp.Integer(0) if exact or one_sign or len(terms) == 1 else sp.Add(*[abs(term) for term in terms])
+    if exact or one_sign or len(terms) == 1:
+        size = sp.Integer(0)
+    else:
+        size = sp.Add(*[abs(term) for term in terms])
     function = alike(function_of(arguments, [expr, size], "numpy"), sp.Tuple(expr, size))
 
     def base(values: Sequence[Numbers]) -> Numbers:
@@ -208,5 +211,6 @@ def _where_outside_range(values: Sequence[Numbers], largest: float) -> BoolArray
             result = result | (not smallest < abs(value) < largest)
         elif not (value.min() > smallest and value.max() < largest):  # as it nearly always is
             outside = ~((np.abs(value) > smallest) & (np.abs(value) < largest))
-            result = result | outside if outside.any() else result
+            if outside.any():
+                result = result | outside
     return result

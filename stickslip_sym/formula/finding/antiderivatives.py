@@ -262,7 +262,10 @@ def _damped_wave(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
         P, Q = (part.subs({x: a, y: b}) for part in sp.expand((x - sp.I * y) ** j).as_real_imag())
         cosine = sp.cos(angle)
         sine = sp.sin(angle)
-        turned = P * cosine - Q * sine if isinstance(wave, sp.cos) else P * sine + Q * cosine
+        if isinstance(wave, sp.cos):
+            turned = P * cosine - Q * sine
+        else:
+            turned = P * sine + Q * cosine
         return exponential * turned / square**j
 
     return integrate_by_parts(polynomial, ladder, u)
@@ -353,7 +356,10 @@ def _rational_in_root(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     if not 1 < q <= _HIGHEST_ROOT:
         return None
     inner = (polynomial * factors).xreplace({u: x**q}) * q * x ** (q - 1)
-    found = _rational(sp.Integer(1), sp.cancel(sp.together(inner)), x) if inner.is_rational_function(x) else None
+    if inner.is_rational_function(x):
+        found = _rational(sp.Integer(1), sp.cancel(sp.together(inner)), x)
+    else:
+        found = None
     if found is None:
         return None
     return found.xreplace({x: u ** sp.Rational(1, q)})
@@ -435,7 +441,9 @@ def _reciprocal_of_logarithm(polynomial: Expr, node: Expr, u: Expr) -> Expr | No
 def _rational(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     """Integrate rational functions whose denominator splits into factors of degree 1 and 2."""
     parts = partial_fractions(polynomial * factors, u)
-    fractions = [] if parts is None else [_fraction(*fraction, u) for fraction in parts[1]]
+    fractions = []
+    if parts is not None:
+        fractions = [_fraction(*fraction, u) for fraction in parts[1]]
     if parts is None or None in fractions:
         return None
     return _integral_of_polynomial(parts[0], u) + sp.Add(*fractions)
@@ -445,8 +453,13 @@ def _fraction(numerator: Expr, monic: list[Expr], power: int, u: Expr) -> Expr |
     """Integrate (A u + B)/(u^2 + b u + c)^power by Hermite's reduction, or B/(u + c)^power."""
     base = sp.Poly(monic, u).as_expr()
     *middle, c = monic[1:]
-    of_zero = 1 + sp.expand(sp.expand(base - c) / c) if c != 0 else base
-    over = sp.log(of_zero) if power == 1 else base ** (1 - power) / (1 - power)
+    of_zero = base
+    if c != 0:
+        of_zero = 1 + sp.expand(sp.expand(base - c) / c)
+    if power == 1:
+        over = sp.log(of_zero)
+    else:
+        over = base ** (1 - power) / (1 - power)
     if not middle:
         return numerator * over
     (b,) = middle

@@ -41,7 +41,10 @@ def harmonic_average(rest: Expr, u: Expr, V: Expr) -> tuple[str, Expr] | None:
             total += constant * sp.exp(shift) * rate * series
             names.append("hypergeometric series")
             continue
-        average = first_rule(_RULES, part, sp.Integer(1), u, V) if part.has(u) else ("polynomial", sp.Integer(0))
+        if part.has(u):
+            average = first_rule(_RULES, part, sp.Integer(1), u, V)
+        else:
+            average = ("polynomial", sp.Integer(0))
         if average is None:
             return None
         names.append(average[0])
@@ -67,7 +70,9 @@ def _cosine_coefficients(polynomial: Expr, u: Expr, V: Expr) -> list[Expr]:
     z = sp.Dummy("z")  # exp(i theta)
     cosine = (z + 1 / z) / 2
     weight = sp.expand(cosine * polynomial.subs(u, V * (1 - cosine)))
-    top = int(sp.degree(polynomial, u)) + 1 if polynomial.has(u) else 1
+    top = 1
+    if polynomial.has(u):
+        top = int(sp.degree(polynomial, u)) + 1
     return [weight.coeff(z, k) * (2 if k else 1) for k in range(top + 1)]
 
 
@@ -122,7 +127,9 @@ def _average_over_quadratic(A: Expr, B: Expr, b: Expr, c: Expr, power: int, V: E
     real, double and complex zeros.
     """
     p, q, t, w = (sp.Dummy(name, positive=True) for name in "pqtw")
-    other = p * (2 * t**2 - 1) if b == 0 else q
+    other = q
+    if b == 0:
+        other = p * (2 * t**2 - 1)
     value = A * (4 / (w * (t + 1)) - 4 * t / (q * (p + q))) + 4 * B * t * (b + 2 * V) / (p * q * (p + q) ** 2)
     if b == 0 or power > 1:
         value = sp.factor(value.subs(w, (p + q) ** 2 / (2 * t**2)).subs(q, other))
@@ -276,7 +283,10 @@ def _logarithm(polynomial: Expr, node: Expr, line: list[Expr], u: Expr, V: Expr)
     rho = rate * V / reach
     mean = sp.log(sp.expand(reach) / 2)
     if power == 2:
-        rest = 1 + 2 * root * reach / (rate * V) ** 2 * sp.log(2 * root / reach) if shift != 0 else sp.Integer(1)
+        if shift != 0:
+            rest = 1 + 2 * root * reach / (rate * V) ** 2 * sp.log(2 * root / reach)
+        else:
+            rest = sp.Integer(1)
         return polynomial * 4 / V * rho * (rest - mean)
     return _averages(polynomial, lambda k: -(rho**k) / k if k else mean, u, V)
 
@@ -378,7 +388,9 @@ def average_of_pieces(pieces: list[Expr], ends: list[Expr], u: Expr, V: Expr) ->
     total = sp.Integer(0)
     for end, (before, after) in zip(ends, pairwise([*primitives, sp.Integer(0)]), strict=True):
         jump = sp.expand(before - after)
-        angle = sp.pi if end == 2 * V else sp.acos(1 - end / V)
+        angle = sp.pi
+        if end != 2 * V:
+            angle = sp.acos(1 - end / V)
         total += (jump.subs(t, sp.sqrt(2 * V / end - 1)) if jump.has(t) else jump).subs(theta, angle)
     return 2 / (sp.pi * V) * total
 

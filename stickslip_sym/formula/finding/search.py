@@ -64,7 +64,9 @@ def _done(expr: Expr, calls: int) -> Expr:
         raise OutOfTime("the time limit was reached") from None
     if done.returncode != 0:
         said = done.stderr.decode(errors="replace").strip().splitlines()
-        why = f": {said[-1][:200]}" if said else ""
+        why = ""
+        if said:
+            why = f": {said[-1][:200]}"
         raise NothingFound(f"{RULE} failed without a look at it: its process ended with {done.returncode}{why}")
     result = pickle.loads(done.stdout)
     if isinstance(result, str):

@@ -96,7 +96,12 @@ class Algebra:
         if meaning.has(sp.oo, sp.zoo, sp.nan):
             raise ValueError("a constant is not finite")
         self._meanings.append(meaning)
-        kind = "root" if square is not None else "theta" if meaning.is_Mul else meaning.func.__name__
+        if square is not None:
+            kind = "root"
+        elif meaning.is_Mul:
+            kind = "theta"
+        else:
+            kind = meaning.func.__name__
         self._names.append(sp.Symbol(f"{kind}_{index + 1}"))
         generator = self.ring.gens[index]
         if meaning.has(self.variable) and slope is not None:

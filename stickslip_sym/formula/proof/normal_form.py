@@ -82,7 +82,10 @@ def _contiguous(expr: Expr) -> Expr:
             continue
         (w,) = lower.bq
         z = node.argument
-        minus_p = lower.ap[1] if sp.expand(w - lower.ap[0]) == 1 else lower.ap[0]
+        if sp.expand(w - lower.ap[0]) == 1:
+            minus_p = lower.ap[1]
+        else:
+            minus_p = lower.ap[0]
         # F' = -p e/(1 + e) times the node.
         replaced[node] = w / minus_p * ((1 - z) ** -minus_p - lower) / z
     return expr.xreplace(replaced)

@@ -243,7 +243,10 @@ def _require_same_start(algebra: Algebra, term: Expr, value: Expr, criterion: Cr
         raise ValueError(f"{term} is infinite at {u} = 0")
     zero = algebra.of(sp.S.Zero)
     for power in range(min(of_value.order, 0), count):
-        weight = power * criterion.mean_power(power - 1) if power > 0 else sp.S.Zero
+        if power > 0:
+            weight = power * criterion.mean_power(power - 1)
+        else:
+            weight = sp.S.Zero
         if (of_value.coefficient(power) or zero) + algebra.of(weight) * (of_term.coefficient(power) or zero):
             raise ValueError(f"the coefficients of V^{power - 1} are not known to be equal")
 
@@ -259,6 +262,9 @@ def _require_equation(product: Element, operator: list[sp.Poly], count: int) -> 
         terms.append(power * algebra.of(factor))
         power = power.derivative * algebra.of(V)
     left = reduce(add, terms).polynomial
-    rest = algebra.field.to_sympy(left.coeff(1)) if left.is_ground else None
+    if left.is_ground:
+        rest = algebra.field.to_sympy(left.coeff(1))
+    else:
+        rest = None
     if rest is None or not rest.is_polynomial(V) or (rest != 0 and sp.degree(rest, V) >= count):
         raise ValueError("the closed form is not known to satisfy the differential equation of the average")

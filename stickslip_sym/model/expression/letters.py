@@ -143,7 +143,8 @@ class _Letters:
         """Return a letter, or one over it where that is the shorter number, with the sign of the number."""
         sign, size = (-1, -number) if number < 0 else (1, number)
         if role != "exponent" and (_is_over_decimal(size) or 1 / size in self._given):
-            role = "speed" if role == "rate" else role
+            if role == "rate":
+                role = "speed"
             return sign / self._named(1 / size, role)
         return sign * self._named(size, role)
 

@@ -214,7 +214,9 @@ def _number_and_name(text: str, match: re.Match[str]) -> list[_Token]:
     if not _NUMBER.fullmatch(number) or len(number) > _MAX_DIGITS:
         reason = f"{number[:20]!r} is not a decimal number of at most {_MAX_DIGITS} characters"
         _refuse(text, position, reason)
-    name = [_Token("name", joined, position + len(number))] if joined else []
+    name = []
+    if joined:
+        name = [_Token("name", joined, position + len(number))]
     return [_Token("number", number, position), *name]
 
 
@@ -223,7 +225,9 @@ def _read_name(text: str, position: int, word: str) -> str:
     plain, _, index = word.partition("_")
     letters = _COMMAND.sub("", plain).removeprefix("\\")
     if "{" in word or "\\" in index:
-        word_in_letters = f"{letters}_{_COMMAND.sub('', index)}" if index else letters
+        word_in_letters = letters
+        if index:
+            word_in_letters = f"{letters}_{_COMMAND.sub('', index)}"
     else:
         word_in_letters = word.removeprefix("\\")
     spelled = re.sub(r"[Ͱ-Ͽµ]", lambda letter: _greek(text, position, letter[0]), word_in_letters)
@@ -332,10 +336,14 @@ class _Parser:
         side = 1
         while sign := self.take("+", "-"):
             signed = True
-            side = -side if sign.text == "-" else side
+            if sign.text == "-":
+                side = -side
         start = self.next
         divisor = None
-        result = side * self.expression(max(least, _BINDING["*"])) if signed else self.operand()
+        if signed:
+            result = side * self.expression(max(least, _BINDING["*"]))
+        else:
+            result = self.operand()
         while True:
             token = self.next
             opens = token.text in ("(", "√") or (token.text == "|" and not self.bars)
@@ -353,7 +361,10 @@ class _Parser:
                 )
             self.place += not implied
             right = self.next
-            divisor = right if symbol == "/" else divisor if symbol == "^" else None
+            if symbol == "/":
+                divisor = right
+            elif symbol != "^":
+                divisor = None
             if symbol == "^":  # from the right: v^a^2 is v^(a^2)
                 exponent = self.nested(right, lambda: self.expression(_BINDING["^"] - 1))
                 result = self._checked(start, self._power(right, result, exponent))
@@ -535,7 +546,10 @@ class _Parser:
         else:
             left = self.expression()
             relation = self.take(*_RELATIONS)
-            bound = bound_of(left, relation.text, self.expression()) if relation else None
+            if relation:
+                bound = bound_of(left, relation.text, self.expression())
+            else:
+                bound = None
             if bound is None:
                 self.fail(token, _PIECEWISE)
         if not self.take(")"):

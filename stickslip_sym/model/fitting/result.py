@@ -150,7 +150,9 @@ class Fit(_Report, DataResult, by_identity=True):
         """Return which part of 0 to 2 V, where thresholds take friction from, was not measured; None if none."""
         low = float(self.measured.v[0])
         high = float(self.measured.v[-1])
-        beyond = [f"above {high:.3g} m/s"] if high * (1 + 1e-9) < 2 * V else []
+        beyond = []
+        if high * (1 + 1e-9) < 2 * V:
+            beyond = [f"above {high:.3g} m/s"]
         beyond += [f"below {low:.3g} m/s"] if low > _NEAR_REST * V else []
         if not beyond:
             return None
@@ -239,7 +241,9 @@ class Fit(_Report, DataResult, by_identity=True):
             return self._rise(name, value + steps * step) - quantile**2
 
         bounded = self.free_law.parameters[name].positive and step < 0
-        farthest = min(_SEARCHED, -(1 - 1e-9) * value / step) if bounded else _SEARCHED
+        farthest = _SEARCHED
+        if bounded:
+            farthest = min(_SEARCHED, -(1 - 1e-9) * value / step)
         below = 0.0
         above = min(0.5, farthest)
         while risen(above) <= 0:
@@ -406,5 +410,7 @@ def _aicc(fit: Fit, inflation: float) -> float:
     k = len(fit.values) + fit.measured.differences + (not known)  # an unknown sigma is one more parameter
     if count - k - 1 <= 0:
         return math.inf
-    deviance = fit.chi_squared if known else count * math.log(max(fit.chi_squared, 1e-300) / count)
+    deviance = fit.chi_squared
+    if not known:
+        deviance = count * math.log(max(fit.chi_squared, 1e-300) / count)
     return deviance / inflation + 2 * k + 2 * k * (k + 1) / (count - k - 1)

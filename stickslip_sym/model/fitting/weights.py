@@ -84,7 +84,10 @@ def weigh(measured: Measurements, fits: Sequence[Fitted]) -> Weighing:
     variances = np.where(checked, squares / np.maximum(dof, 1), np.inf)
     best = int(np.argmin(variances))
     believed = measured.sigma is not None and bool(np.max(chdtrc(dof[checked], squares[checked])) >= _SIGMA_HOLDS)
-    misfits = squares / 2 if believed else (dof[best] + 1) / 2 * np.log(squares / squares[best])
+    if believed:
+        misfits = squares / 2
+    else:
+        misfits = (dof[best] + 1) / 2 * np.log(squares / squares[best])
     logarithms = -misfits - _PENALTY * k
     logarithms = np.where(checked, logarithms, -np.inf)
     weights = _shared_by_curve(np.exp(logarithms - logarithms.max()), measured, fits)

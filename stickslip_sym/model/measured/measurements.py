@@ -120,13 +120,17 @@ class Measurements(Drawn, TableResult):
                 f"mu[{np.argmax(large)}] = {coefficients[large][0]:g}; a coefficient of friction is below "
                 f"{_LARGEST_MU:g}: leave the row out"
             )
-        deviations = None if sigma is None else np.asarray(read_array("sigma", sigma), np.float64)
+        deviations = None
+        if sigma is not None:
+            deviations = np.asarray(read_array("sigma", sigma), np.float64)
         if deviations is not None and deviations.shape not in ((), speeds.shape):
             raise InputError(f"sigma has the shape {deviations.shape} and mu {speeds.shape}; give one for each mu")
         if deviations is not None and (deviations <= 0).any():
             raise InputError(f"sigma = {deviations.min():g} is not above 0; leave it out if unknown")
         order = np.argsort(speeds, kind="stable")
-        known = None if deviations is None else np.broadcast_to(deviations, speeds.shape)[order]
+        known = None
+        if deviations is not None:
+            known = np.broadcast_to(deviations, speeds.shape)[order]
         rows = f"{len(speeds)} rows{'' if sigma is None else ' with sigma'}"
         rows += f", {masked} masked rows left out" if masked else ""
         return cls(speeds[order], coefficients[order], known, rows, order=order).in_branches().with_tails_weighed()
@@ -141,7 +145,9 @@ class Measurements(Drawn, TableResult):
         branches = sweep_branches_of(self.v, self.mu, self.weights, self.order, direction)
         if branches is None:
             return self
-        mu = self.mu if direction is None else self.mu - branches.offset * direction
+        mu = self.mu
+        if direction is not None:
+            mu = self.mu - branches.offset * direction
         return replace(self, mu=mu, understood=f"{self.understood}, {branches}", branches=branches)
 
     def with_tails_weighed(self, heavy: bool | None = None) -> "Measurements":
@@ -541,7 +547,9 @@ def _fold(table: Table) -> tuple[FloatArray, FloatArray, FloatArray | None, IntA
             "it, like v [mm/s]"
         )
     mu, direction, notes = _remove_stroke_signs(table, np.sign(v), mu, friction)
-    sigma = None if deviation is None else np.abs(table.numbers(deviation, load if "F_t" in deviation else None))
+    sigma = None
+    if deviation is not None:
+        sigma = np.abs(table.numbers(deviation, load if "F_t" in deviation else None))
     return np.abs(v), mu + 0.0, sigma, direction.astype(np.int64), notes  # -0.0 becomes 0.0
 
 

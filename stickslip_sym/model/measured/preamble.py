@@ -57,7 +57,10 @@ def _read_radius(line: int, match: re.Match[str], value: re.Match[str], behind: 
     size = None
     if length is not None and _OF_TRACK.search(match["name"]):
         size = Fraction(value["number"].replace(",", ".")) * length
-    text = f"{value['number']} {units[0]}" if units else value["number"]
+    if units:
+        text = f"{value['number']} {units[0]}"
+    else:
+        text = value["number"]
     return WrittenRadius(line, match["name"].strip(), text, size)
 
 

@@ -79,10 +79,15 @@ def proposed(
         picked[quantity] = _give_unit(friction, unit, *(("number",) if quantity == "mu" else ("force", "torque")))
     if "mu" not in picked and "F_n" not in picked:
         picked["F_n"] = _normal_force(left, values, picked["F_t"], columns)
-    given = None if radius is None else f"{float(1000 * radius):g} mm"
+    given = None
+    if radius is not None:
+        given = f"{float(1000 * radius):g} mm"
     track = given or _written(written) or _TRACK
     for these, size in ((dict(chosen), given), (dict(chosen), track), (picked, given), (picked, track)):
-        arguments = dict[str, object](columns=these) if these else {}
+        if these:
+            arguments = dict[str, object](columns=these)
+        else:
+            arguments = {}
         try:
             choose_columns(header, name, these, radius or (None if size is None else _ANY), (), written)
         except InputError:

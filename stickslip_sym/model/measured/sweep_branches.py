@@ -84,7 +84,9 @@ class SweepBranches:
             gap = text_with_error(abs(self.gap), self.standard_error)
             above = "rising" if self.gap > 0 else "falling"
             cause = "hysteresis" if self.rising + self.falling > 2 else "hysteresis, or drift"
-            apart = f"{above} above by {gap} on average ({cause}), their mean taken" if self.differ else "alike"
+            apart = "alike"
+            if self.differ:
+                apart = f"{above} above by {gap} on average ({cause}), their mean taken"
             said.append(f"{counts}, {apart}" + f"; {self.alone}" * bool(self.alone and self.differ))
         return ", ".join(said)
 
@@ -237,8 +239,10 @@ def _turns(v: FloatArray, span: float | None = None) -> list[int]:
         falls = way >= 0 and max(v[high], most_speed) - least_speed > least
         rises = way <= 0 and most_speed - min(v[low], least_speed) > least
         if not (falls or rises):
-            low = first + below if least_speed < v[low] else low
-            high = first + above if most_speed > v[high] else high
+            if least_speed < v[low]:
+                low = first + below
+            if most_speed > v[high]:
+                high = first + above
             continue
         speeds = v[first : first + _PASSED].tolist()
         lowest = float(v[low])

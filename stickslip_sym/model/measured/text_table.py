@@ -98,14 +98,22 @@ class Table:
         """
         column = self.columns[quantity]
         size = column.size / (self.columns[per].size if per else 1)
-        power = 1 if column.turns else -1 if column.is_torque else 0
-        tracks = self.radii if power else [Fraction(1)] * len(self.lines)
+        if column.turns:
+            power = 1
+        elif column.is_torque:
+            power = -1
+        else:
+            power = 0
+        tracks = self.radii
+        if not power:
+            tracks = [Fraction(1)] * len(self.lines)
         if size == 1 and per is None and not power:
             return self.floats(quantity)
         if self.values:  # rounded once more by each factor
-            tracks_in_m = np.array([float(track) for track in tracks]) if power else 1.0
             below_in_units = self.values[per] if per else 1.0
-            numerator = self.values[quantity] * float(size.numerator) * tracks_in_m**power
+            numerator = self.values[quantity] * float(size.numerator)
+            if power:
+                numerator = numerator * np.array([float(track) for track in tracks]) ** power
             return np.asarray(numerator / (float(size.denominator) * below_in_units))
         below = self.cells[per] if per else repeat("1", len(self.lines))
         with localcontext(prec=_PRECISION):
@@ -387,11 +395,10 @@ def _blocks_of_file(lines: Sequence[_Line], layout: _Layout, name: str) -> list[
         own = layout
         if begin != first:
             try:
-                own = (
-                    _layout(lines[begin:], name)
-                    if is_header(_names(lines[begin].text, layout.separator))
-                    else (_layout_of_chosen(lines[begin:], name))
-                )
+                if is_header(_names(lines[begin].text, layout.separator)):
+                    own = _layout(lines[begin:], name)
+                else:
+                    own = _layout_of_chosen(lines[begin:], name)
             except InputError:
                 return [_Part(list(lines[:first]), layout)]  # no table: what there is of it is refused by its line
         rows = [line for line in own.rows if line.number <= lines[end - 1].number]
@@ -561,7 +568,10 @@ def _layout(lines: Sequence[_Line], name: str) -> _Layout:
                 cells[mark] = _join_units(cells[mark], units)
                 start += 1
                 first[mark] = _names(rows[start].text, mark) if start < len(rows) else []
-            fits = len(first[mark]) == len(cells[mark]) if mark == " " else len(first[mark]) > 1
+            if mark == " ":
+                fits = len(first[mark]) == len(cells[mark])
+            else:
+                fits = len(first[mark]) > 1
             if fits and any(map(is_value, first[mark])):
                 return _Layout(mark, cells[mark], line, rows[start:])
         if named and not line.comment:
@@ -575,7 +585,9 @@ def _layout(lines: Sequence[_Line], name: str) -> _Layout:
             mark = numbers[0]
             count = len(cells[numbers[0]])
             wide = [earlier for earlier in lines[:i] if len(_names(earlier.text, mark)) == count]
-            header = _names(wide[-1].text, mark) if wide else []
+            header = []
+            if wide:
+                header = _names(wide[-1].text, mark)
             above = [list(map(_is_number, _names(row.text, mark))) for row in rows[: start - 1]]
             rowlike = any(2 * sum(numeric) > len(numeric) for numeric in above)
             if rowlike or any(map(_is_number, header)) or (below and len(first[mark]) != count):
@@ -661,7 +673,10 @@ def _fill(table: Table, rows: Sequence[_Row], header: list[str], separator: str)
             column = f"{i + 1}" + (f", {table.columns[read[i]].text!r}" if i in read else "")
             got = row[i][:40]
             rule = "a finite number is needed, like 0.35, without a sign between thousands"
-        later = [(line, row)] if table.leave_out else [other for other in rows if other[0] >= line]
+        if table.leave_out:
+            later = [(line, row)]
+        else:
+            later = [other for other in rows if other[0] >= line]
         _refuse_second_table(table, later, separator)
         table.fault(line, f"{table.name}, line {line}, column {column}", repr(got), rule, reason)
         if any(map(_is_number, row)):
@@ -680,7 +695,10 @@ def _take(table: Table, rows: FloatArray, first: int, separator: str) -> None:
     table.written = f"columns parted by {_PARTED[separator]}, decimal point"
     table.lines = range(first, first + len(rows))
     for quantity, column in table.columns.items():
-        numbers = np.full(len(rows), float(column.value)) if column.value else rows[:, column.number - 1]
+        if column.value:
+            numbers = np.full(len(rows), float(column.value))
+        else:
+            numbers = rows[:, column.number - 1]
         table.values[quantity] = np.ascontiguousarray(numbers)
 
 
@@ -710,7 +728,9 @@ def _drop_thousands(rows: Sequence[_Row], read: Iterable[int]) -> Sequence[_Row]
 def _decimal_sign(cells: Sequence[str], name: str) -> str:
     """Return the decimal sign of cells, or refuse both signs, or a comma that may stand between thousands."""
     commas = [cell for cell in cells if "," in cell and _is_number(cell)]
-    points = [cell for cell in cells if "." in cell and _is_number(cell)] if commas else []
+    points = []
+    if commas:
+        points = [cell for cell in cells if "." in cell and _is_number(cell)]
     if commas and (points or all(map(_THREE_DIGITS.fullmatch, commas))):
         raise InputError(
             f"{name}: the comma in {commas[0]!r} may be a decimal sign, or stand between thousands, as "

@@ -161,7 +161,11 @@ def motion_map(
     for some, part in zip(rows, results, strict=True):
         cells.put(some, part or OutOfTime(LATE))
     # Where c is an axis a threshold is a curve along the other.
-    curve = np.s_[:, :1] if names[0] == "c" else np.s_[:1] if names[1] == "c" else np.s_[:]
+    curve: slice | tuple[slice, slice] = np.s_[:]
+    if names[0] == "c":
+        curve = np.s_[:, :1]
+    elif names[1] == "c":
+        curve = np.s_[:1]
     table = MotionMap(
         axes, bound, fixed,
         motion=cells.motion.reshape(shape),

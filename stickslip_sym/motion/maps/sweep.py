@@ -241,7 +241,10 @@ def _folds(
         first, last = ranges.pop()
         left -= NODES
         values = nodes(np.array([first]), np.array([last])).ravel()
-        rows = [excess(x) for x in values.tolist()] if left >= 0 else [[]]
+        if left >= 0:
+            rows = [excess(x) for x in values.tolist()]
+        else:
+            rows = [[]]
         if (branches := _branches(first, last, rows)) is not None:
             folds += [fold for piece in branches for fold in _crossings(piece)]
         elif not all(rows) or not _passed_by(rows):

@@ -261,7 +261,10 @@ def critical(
     with deadline.time_limit(time_limit):
         if of == "c":
             return critical_damping(pure_slip_damping(law, **numbers, method=method, rtol=rtol))
-        unit = (law.parameters[of].unit or "") if of in law.parameters else None
+        if of in law.parameters:
+            unit = law.parameters[of].unit or ""
+        else:
+            unit = None
         if isinstance(within, list | tuple):
             within = [
                 real(of, si_number(value, of, unit)) if isinstance(value, str) else value for value in within
@@ -335,7 +338,9 @@ class _QuickSpeeds(NamedTuple):
 
     def distance(self, side: int, i: int) -> float:
         """Return the logarithm of one of them over what it is compared with; 1 where there are fewer."""
-        ratio = self.speeds[i] / self.reached[side] if i < len(self.speeds) else math.e
+        ratio = math.e
+        if i < len(self.speeds):
+            ratio = self.speeds[i] / self.reached[side]
         return math.log(ratio) if ratio > 0 else -1.0
 
 
@@ -558,7 +563,10 @@ class _Search:
             return sorted({usual * factors[0], usual, usual * factors[-1]})
         if self.of == "V":
             table = self.law.bound.table
-            end = table.reach if len(table.pieces) <= _PIECES else float(table.pieces[_PIECES, 0])
+            if len(table.pieces) <= _PIECES:
+                end = table.reach
+            else:
+                end = float(table.pieces[_PIECES, 0])
             high = min(_WHOLE[1], end / 2)  # slip reaches 2 V, and more
             speeds = np.geomspace(_WHOLE[0], high, _BELT_SPEEDS_LOOKED_AT)
             strong = np.flatnonzero(np.r_[True, self._strong(speeds), True])

@@ -73,7 +73,9 @@ class Sampled:
     undecided: float
 
     def __str__(self) -> str:
-        undecided = f", {100 * self.undecided:.2g} % undecided" if self.undecided else ""
+        undecided = ""
+        if self.undecided:
+            undecided = f", {100 * self.undecided:.2g} % undecided"
         return f"{self.probability:.3g} +/- {self.standard_error:.1g} (samples{undecided})"
 
 
@@ -216,11 +218,10 @@ def margins_of(
             within = sorted((value / reach, value * reach))
             try:
                 with deadline.time_limit(each):
-                    criticals = (
-                        critical_damping(threshold)
-                        if name == "c"
-                        else critical(law, name, **others, method=method, rtol=rtol, within=within)
-                    )
+                    if name == "c":
+                        criticals = critical_damping(threshold)
+                    else:
+                        criticals = critical(law, name, **others, method=method, rtol=rtol, within=within)
             except StickSlipError as error:
                 deadline.check_time()  # raises if it was the limit on all of them
                 refused[name] = f"not found within {each} s" if isinstance(error, OutOfTime) else str(error)

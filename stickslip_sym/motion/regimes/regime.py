@@ -419,7 +419,9 @@ class Regime(Drawn, DataResult):
         law = self.law
         osc = self.oscillator
         cycle = self.stick_slip
-        begins = [] if cycle is None else [("stick-slip", osc.onset(law), osc.V, cycle.period)]
+        begins = []
+        if cycle is not None:
+            begins = [("stick-slip", osc.onset(law), osc.V, cycle.period)]
         for orbit in self.cycles:
             # Where v is highest the forces are in balance; slower than the belt or faster, friction has its sign.
             slip = osc.V - orbit.amplitude

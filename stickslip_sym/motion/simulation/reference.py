@@ -75,7 +75,10 @@ def simulate_by_solve_ivp(
             end = min(t_end, t + (x_P - x) / osc.V)
             stretches.append(Stretch(Phase.STICK, np.array([[t, end], [x, x + osc.V * (end - t)], [v, v]])))
         else:
-            side = math.copysign(1, pull) if v == osc.V else math.copysign(1, osc.V - v)
+            if v == osc.V:
+                side = math.copysign(1, pull)
+            else:
+                side = math.copysign(1, osc.V - v)
             phase = Phase.SLIP_BACK if side > 0 else Phase.SLIP_FORWARD
             solution = slip_by_solve_ivp(bound, osc, t, x, v, int(side), t_end, rtol, **options)
             samples = np.array([solution.t, *solution.y])

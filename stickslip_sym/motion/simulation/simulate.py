@@ -181,7 +181,10 @@ def _one(
             (tau + since) / osc.omega, x_P + osc.length * places, osc.V * (1 - side * speeds)
         ])  # fmt: skip
         phase = Phase.SLIP_BACK if side > 0 else Phase.SLIP_FORWARD
-        course = partial(_course, system, osc, x_P, rtol, slip, tau, side) if slip.steps else None
+        if slip.steps:
+            course = partial(_course, system, osc, x_P, rtol, slip, tau, side)
+        else:
+            course = None
         stretches.append(Stretch(phase, samples, course))
         tau += slip.tau
         q = slip.q

@@ -169,8 +169,11 @@ class Trajectory(Shown, TableResult, by_identity=True):
         """The changes of phase, of which the first is the start; the rest to which a motion comes is none."""
         events = list[Event]()
         for stretch in self.stretches[:-1] if self.outcome is Outcome.AT_REST else self.stretches:
-            kind = EventKind.SLIPS if events and events[-1].begins is Phase.STICK else EventKind.CROSSES
-            kind = EventKind.STICKS if stretch.phase is Phase.STICK else kind
+            kind = EventKind.CROSSES
+            if events and events[-1].begins is Phase.STICK:
+                kind = EventKind.SLIPS
+            if stretch.phase is Phase.STICK:
+                kind = EventKind.STICKS
             t, x, v = stretch.samples[:, 0].tolist()
             events.append(Event(t, x, v, stretch.phase, kind if events else EventKind.START))
         return tuple(events)
@@ -312,7 +315,10 @@ class Trajectory(Shown, TableResult, by_identity=True):
             For times outside the motion, or a file that cannot be written.
         """
         times = self.t if t is None else np.atleast_1d(t)
-        state = State(self.x, self.v, self.phase) if t is None else self.at(times)
+        if t is None:
+            state = State(self.x, self.v, self.phase)
+        else:
+            state = self.at(times)
         numbers = {"t (s)": np.asarray(times, dtype=np.float64), "x (m)": state.x, "v (m/s)": state.v}
         phases = np.array([phase.name.lower() for phase in state.phase])
         files.write_csv(Path(path), numbers | {"phase": phases})

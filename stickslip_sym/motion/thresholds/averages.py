@@ -87,7 +87,10 @@ def average_changes(criterion: Criterion, points: OperatingPoints) -> dict[str, 
         partial = law.partial(name).kinetic
         table = law.kinetic.table
         smooth = not (table.kinks or table.narrow.size)
-        own = None if smooth else partial.table_up_to(2 * float(V.max()))
+        if smooth:
+            own = None
+        else:
+            own = partial.table_up_to(2 * float(V.max()))
         by_slopes = resolved_gauss_average(partial, criterion, V, own, table if smooth else None)
         return N * (by_slopes + _changes_by_jumps(law, criterion, V, name))
 
@@ -104,7 +107,10 @@ def _changes_by_jumps(law: FrictionLaw, criterion: Criterion, V: FloatArray, nam
     if criterion.weight is None:
         return sums
     for jump, height in jumps(law.expr, law.point):
-        moved = -jump if name == "V" else rate(jump, law.parameters[name].symbol)
+        if name == "V":
+            moved = -jump
+        else:
+            moved = rate(jump, law.parameters[name].symbol)
         at, by, size = (law.kinetic.number(part) for part in (jump, moved, height))
         kernel = criterion.kernel.subs(symbols.v, at)
         for row, speed in enumerate(V):

@@ -63,7 +63,8 @@ class ExactPoint:
         _, first = self.law.bound.segments[0]
         infinite = sp.nan, sp.zoo, sp.oo, -sp.oo
         onset = first.xreplace({symbols.v: sp.Integer(0)})
-        onset = symbolic_limit_at_rest(first) if onset.has(*infinite) else onset
+        if onset.has(*infinite):
+            onset = symbolic_limit_at_rest(first)
         if onset.has(*infinite):
             raise InputError(f"no finite limit mu(0+) was found for {self.law!r}, as a proof needs it")
         return onset

@@ -121,7 +121,10 @@ class Theorem(DataResult):
         """Return the theorem and its proof as LaTeX paragraphs."""
         values = ", ".join(f"${latex_name(name)} = {value}$" for name, value in self.values.items())
         formula = self.law.curve is None
-        mu = f"${printing.latex(self.law.expr, inline=True)}$" if formula else prose_latex(self.law.text)
+        if formula:
+            mu = f"${printing.latex(self.law.expr, inline=True)}$"
+        else:
+            mu = prose_latex(self.law.text)
         names = {name: name for name in ("P", "c")}
         items = "\n".join(f"  \\item {prose_latex(line, names)}." for line in self.proof)
         theorem = f"Let $\\mu(v)$ be {mu}, with {values} in SI units. {prose_latex(self.statement, names)}"

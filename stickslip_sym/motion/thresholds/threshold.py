@@ -204,7 +204,9 @@ class Threshold(Report, QuantityResult, TableResult, Generic[Value]):
         most = "at most " if self.theorems else ""
         if not math.isfinite(error) or abs(value) >= max(error, least) > 0:
             return f"relative error {most}{accuracy(off, form)}"
-        text = f"error {most}{error:{form}} kg/s" if error else "error 0"
+        text = "error 0"
+        if error:
+            text = f"error {most}{error:{form}} kg/s"
         if off >= 1 or not error:
             return text
         return f"{text}, which is {off:{form}} of {VANISHING:.0e} N <|mu'|>"

@@ -156,7 +156,9 @@ def second_order_ratio(
 def warn_of_ratio(ratio: Numbers, reason: str) -> None:
     """Warn where the second order says that the first does not suffice."""
     ratio = np.ravel(ratio)
-    worst = ratio[np.abs(ratio - 1).argmax()] if ratio.size else 1.0  # NaN where there is any
+    worst = 1.0
+    if ratio.size:
+        worst = ratio[np.abs(ratio - 1).argmax()]  # NaN where there is any
     if np.isnan(worst):
         message = (
             f"the standard error of c could not be checked by its second order: {reason or 'there is no value'}; "

@@ -125,7 +125,10 @@ def explorer(
     else:
         criteria_code = LANGUAGES["javascript"].page["head"].replace("$about\n", "")
     own_name = title or law.name or law.text
-    short_name = own_name if len(own_name) <= _LONGEST_TITLE else f"{own_name[: _LONGEST_TITLE - 1]}…"
+    if len(own_name) <= _LONGEST_TITLE:
+        short_name = own_name
+    else:
+        short_name = f"{own_name[: _LONGEST_TITLE - 1]}…"
     page_script = "".join(script.read_text(encoding="utf-8") for script in _SCRIPTS)
     return render(
         _TEMPLATE,

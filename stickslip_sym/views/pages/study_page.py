@@ -41,7 +41,10 @@ _BELT_SPEEDS_SHOWN = 10.0  # belt speeds up to which a motion is shown in the ph
 
 def page_of_study(study: Study) -> str:
     """Return the page; matplotlib, jinja2 and latex2mathml are needed."""
-    title = study.title if len(study.title) <= _LONGEST_NAME else f"{study.title[: _LONGEST_NAME - 1]}…"
+    if len(study.title) <= _LONGEST_NAME:
+        title = study.title
+    else:
+        title = f"{study.title[: _LONGEST_NAME - 1]}…"
     return render(
         _TEMPLATE,
         title=f"Stick–slip study: {title}",
@@ -131,11 +134,17 @@ def _law(ax: Any, study: Study, law: FrictionLaw) -> None:
     fit = study.fit
     measured = study.measured
     top = max(2.2 * V, 0.0 if measured is None else float(measured.v[-1]))
-    top = top if law.v_max is None else min(top, float(law.v_max))
+    if law.v_max is not None:
+        top = min(top, float(law.v_max))
     span: Look = {"facecolor": "0.93", "edgecolor": "0.8", "linewidth": 0.6, "zorder": 0}
     ax.axvspan(0, min(2 * V, top), label="0 to $2V$", **span)
     ax.axvline(V, color="black", linestyle=":", linewidth=1, label="belt speed $V$")
-    bounds = fit.band if fit is not None else partial(error_band, law) if law.uncertain else None
+    if fit is not None:
+        bounds = fit.band
+    elif law.uncertain:
+        bounds = partial(error_band, law)
+    else:
+        bounds = None
     draw_law(ax, law, top, measured, bounds, r"$\mu(v)$")
 
 
