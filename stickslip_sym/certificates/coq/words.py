@@ -151,12 +151,22 @@ class Generators:
 
 def _write_by_exponentials(expr: Expr) -> Expr:
     """Write hyperbolic functions by exponentials that do not grow."""
-    expr = expr.replace(sp.tanh, lambda u: (1 - sp.exp(-2 * u)) / (1 + sp.exp(-2 * u)))
-    expr = expr.replace(sp.coth, lambda u: (1 + sp.exp(-2 * u)) / (1 - sp.exp(-2 * u)))
-    expr = expr.replace(sp.sech, lambda u: 2 * sp.exp(-u) / (1 + sp.exp(-2 * u)))
-    expr = expr.replace(sp.csch, lambda u: 2 * sp.exp(-u) / (1 - sp.exp(-2 * u)))
-    expr = expr.replace(sp.cosh, lambda u: (1 + sp.exp(-2 * u)) / (2 * sp.exp(-u)))
-    return expr.replace(sp.sinh, lambda u: (1 - sp.exp(-2 * u)) / (2 * sp.exp(-u)))
+
+    def plus(u: Expr) -> Expr:
+        return 1 + sp.exp(-2 * u)
+
+    def minus(u: Expr) -> Expr:
+        return 1 - sp.exp(-2 * u)
+
+    def twice(u: Expr) -> Expr:
+        return 2 * sp.exp(-u)
+
+    expr = expr.replace(sp.tanh, lambda u: minus(u) / plus(u))
+    expr = expr.replace(sp.coth, lambda u: plus(u) / minus(u))
+    expr = expr.replace(sp.sech, lambda u: twice(u) / plus(u))
+    expr = expr.replace(sp.csch, lambda u: twice(u) / minus(u))
+    expr = expr.replace(sp.cosh, lambda u: plus(u) / twice(u))
+    return expr.replace(sp.sinh, lambda u: minus(u) / twice(u))
 
 
 def _write_by_roots(expr: Expr) -> Expr:

@@ -13,7 +13,9 @@ from stickslip_sym.core.functions import FUNCTIONS
 from stickslip_sym.core.special import Ein, Lerch, polylog
 from stickslip_sym.formula.finding.matching import (
     Rule,
+    argument_coefficients,
     as_binomial,
+    as_damped_wave,
     as_power,
     as_stretched,
     coefficients,
@@ -75,6 +77,12 @@ def _integrate_repeatedly(polynomial: Expr, node: Expr, line: list[Expr], u: Exp
     )
 
 
+def _by_parts(product: Expr, rest: Expr, u: Expr) -> Expr | None:
+    """Return a product less the integral of what integration by parts leaves, if that has one."""
+    left = antiderivative(rest, sp.Integer(1), u)
+    return None if left is None else product - left[1]
+
+
 def _product_by_parts(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     """W f^k - integral of W (f^k)', W' the polynomial, f a function whose derivative has none of its kind."""
     function, power = node.as_base_exp()
@@ -90,10 +98,7 @@ def _product_by_parts(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     whole = _integral_of_polynomial(polynomial, u)
     slope = sp.diff(function, u)
     factor = sp.cancel(whole * slope) if slope.is_rational_function(u) else whole * slope
-    left = antiderivative(power * factor * function ** (power - 1), sp.Integer(1), u)
-    if left is None:
-        return None
-    return whole * node - left[1]
+    return _by_parts(whole * node, power * factor * function ** (power - 1), u)
 
 
 def _reduced(polynomial: Expr, alpha: Expr, beta: Expr, u: Expr) -> tuple[Expr, Expr]:
@@ -140,13 +145,15 @@ def _root(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     if not (falls or (a.is_positive and (gap.is_positive or (b.is_positive and c.is_positive)))):
         return None
     above, constant = _reduced(polynomial * base**times, base, sp.diff(base, u) / 2, u)
+    root = sp.sqrt(base)
+    slope = 2 * a * u + b
     if falls:
-        return above * sp.sqrt(base) - constant / sp.sqrt(-a) * sp.asin((2 * a * u + b) / sp.sqrt(-gap))
+        return above * root - constant / sp.sqrt(-a) * sp.asin(slope / sp.sqrt(-gap))
     if gap.is_positive:
-        arc = sp.asinh((2 * a * u + b) / sp.sqrt(gap))
+        arc = sp.asinh(slope / sp.sqrt(gap))
     else:
-        arc = sp.log(2 * sp.sqrt(a) * sp.sqrt(base) + 2 * a * u + b)
-    return above * sp.sqrt(base) + constant / sp.sqrt(a) * arc
+        arc = sp.log(2 * sp.sqrt(a) * root + slope)
+    return above * root + constant / sp.sqrt(a) * arc
 
 
 def _gaussian(polynomial: Expr, node: Expr, quadratic: list[Expr], u: Expr) -> Expr | None:
@@ -169,7 +176,7 @@ def _lognormal(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     quadratic = coefficients(sp.expand_log(node.exp).subs(sp.log(u), x), x)
     if len(quadratic) != 3 or any(part.has(u) for part in quadratic) or not quadratic[0].is_negative:
         return None
-    (a, b, c) = (-quadratic[0], *quadratic[1:])
+    a, b, c = -quadratic[0], *quadratic[1:]
     total = sp.Integer(0)
     for (n,), front in sp.Poly(polynomial, u).terms():
         rate = n + 1 + b
@@ -184,14 +191,14 @@ def _stretched(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     if match is None:
         return None
     front, q, k, d = match
-    terms = sp.Poly(front * polynomial, u).terms()
+    terms = [(c, n + 1 + q) for (n,), c in sp.Poly(front * polynomial, u).terms()]
     if d.is_negative:
-        orders = [(c, (n + 1 + q) / -d) for (n,), c in terms]
+        orders = [(c, power / -d) for c, power in terms]
         return sp.Add(*[-c / d * k**order * _upper_gamma(-order, k * u**d) for c, order in orders])
-    if any((n + 1 + q).is_nonpositive for (n,), _ in terms):  # infinite at 0, unless another term cancels it
+    if any(power.is_nonpositive for _, power in terms):  # infinite at 0, unless another term cancels it
         return None
     w = sp.powdenest(k ** (-1 / d))
-    return sp.Add(*[c * w ** (n + 1 + q) / d * sp.lowergamma((n + 1 + q) / d, (u / w) ** d) for (n,), c in terms])
+    return sp.Add(*[c * w**power / d * sp.lowergamma(power / d, (u / w) ** d) for c, power in terms])
 
 
 def _upper_gamma(order: Expr, x: Expr) -> Expr:
@@ -211,8 +218,8 @@ def _exponential_power(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     """Integrate u^n (a u + b)^p exp(-k u), p no integer: upper incomplete gamma functions of k (u + b/a)."""
     power, exponential = factors.as_independent(sp.exp, as_Add=False)
     match = as_power(power, u)
-    line = coefficients(exponential.args[0], u) if exponential.args else []
-    if match is None or not isinstance(exponential, sp.exp) or len(line) != 2 or not line[0].is_negative:
+    line = argument_coefficients(exponential, sp.exp, u)
+    if match is None or len(line) != 2 or not line[0].is_negative:
         return None
     _, rate, shift, p = match
     k = -line[0]
@@ -246,13 +253,10 @@ def _power_of_logarithm(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
 
 def _damped_wave(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     """Integrate u^n exp(a u + c) cos(b u + d), or sin: the real part of exp(z u), whose integrals are over z^j."""
-    exponential, wave = factors.as_independent(sp.sin, sp.cos, as_Add=False)
-    if not (isinstance(exponential, sp.exp) and isinstance(wave, sp.sin | sp.cos)):
+    match = as_damped_wave(factors, u)
+    if match is None:
         return None
-    a, *c = coefficients(exponential.args[0], u)
-    b, *d = coefficients(wave.args[0], u)
-    if not len(c) == len(d) == 1:
-        return None
+    exponential, wave, (a, _), (b, _) = match
     angle = wave.args[0]
     square = a**2 + b**2
 
@@ -274,7 +278,7 @@ def _damped_wave(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
 def _sine_over_speed(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     """Integrate u^n sin(a u)/u: the sine integral, and for n > 0 a polynomial times sines."""
     over, sine = factors.as_independent(sp.sin, as_Add=False)
-    line = coefficients(sine.args[0], u) if isinstance(sine, sp.sin) else []
+    line = argument_coefficients(sine, sp.sin, u)
     if over != 1 / u or len(line) != 2 or line[1] != 0:
         return None
     powers = sp.Poly(polynomial, u)
@@ -305,10 +309,8 @@ def _exponential_of_root(polynomial: Expr, error: Expr, exponential: Expr, u: Ex
     if error.is_Pow or len(line) != 2 or rate.has(u) or not rate.is_positive:
         return None
     whole = sp.factor_terms(_integrate_repeatedly(polynomial, exponential, line, u) / exponential)
-    left = antiderivative(sp.expand(whole * exponential * sp.diff(error, u)), sp.Integer(1), u)
-    if left is None:
-        return None
-    return whole * exponential * error - left[1]
+    rest = sp.expand(whole * exponential * sp.diff(error, u))
+    return _by_parts(whole * exponential * error, rest, u)
 
 
 def _log_cosh(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
@@ -317,16 +319,14 @@ def _log_cosh(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
         return None
     (x,) = node.args[0].args
     whole = _integral_of_polynomial(polynomial, u)
-    left = antiderivative(sp.expand(whole * sp.diff(x, u)) * sp.tanh(x), sp.Integer(1), u)
-    if left is None:
-        return None
-    return whole * node - left[1]
+    rest = sp.expand(whole * sp.diff(x, u)) * sp.tanh(x)
+    return _by_parts(whole * node, rest, u)
 
 
 def _softplus(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     """Integrate u^n log(1 + c exp(k u)) = -u^n Li_1(-c exp(k u)), c > 0: Li_s(z) integrates to Li_(s+1)(z)/k."""
     rest, exponential = (node.args[0] - 1).as_independent(sp.exp, as_Add=False)
-    line = coefficients(exponential.args[0], u) if isinstance(exponential, sp.exp) else []
+    line = argument_coefficients(exponential, sp.exp, u)
     if node.is_Pow or len(line) != 2 or not rest.is_positive:
         return None
     z = -rest * exponential
@@ -356,10 +356,9 @@ def _rational_in_root(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     if not 1 < q <= _HIGHEST_ROOT:
         return None
     inner = (polynomial * factors).xreplace({u: x**q}) * q * x ** (q - 1)
-    if inner.is_rational_function(x):
-        found = _rational(sp.Integer(1), sp.cancel(sp.together(inner)), x)
-    else:
-        found = None
+    if not inner.is_rational_function(x):
+        return None
+    found = _rational(sp.Integer(1), sp.cancel(sp.together(inner)), x)
     if found is None:
         return None
     return found.xreplace({x: u ** sp.Rational(1, q)})
@@ -374,10 +373,11 @@ def _binomial(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     if match is None:
         return None
     q, b, a, d, p = match
-    return b**p * sp.Add(*[
-        c * u ** (n + q + 1) / (n + q + 1) * sp.hyper((-p, (n + q + 1) / d), (1 + (n + q + 1) / d,), -a * u**d / b)
-        for (n,), c in sp.Poly(polynomial, u).terms()
-    ])  # fmt: skip
+    terms = []
+    for (n,), c in sp.Poly(polynomial, u).terms():
+        m = n + q + 1
+        terms.append(c * u**m / m * sp.hyper((-p, m / d), (1 + m / d,), -a * u**d / b))
+    return b**p * sp.Add(*terms)
 
 
 def _exponential_of_inverse(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
@@ -441,10 +441,10 @@ def _reciprocal_of_logarithm(polynomial: Expr, node: Expr, u: Expr) -> Expr | No
 def _rational(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     """Integrate rational functions whose denominator splits into factors of degree 1 and 2."""
     parts = partial_fractions(polynomial * factors, u)
-    fractions = []
-    if parts is not None:
-        fractions = [_fraction(*fraction, u) for fraction in parts[1]]
-    if parts is None or None in fractions:
+    if parts is None:
+        return None
+    fractions = [_fraction(*fraction, u) for fraction in parts[1]]
+    if None in fractions:
         return None
     return _integral_of_polynomial(parts[0], u) + sp.Add(*fractions)
 
@@ -468,14 +468,15 @@ def _fraction(numerator: Expr, monic: list[Expr], power: int, u: Expr) -> Expr |
     gap = minus_discriminant(middle[0], c)
     B = line.nth(0) - A * b / 2
     total = A / 2 * over
+    slope = 2 * u + b
     for k in range(power - 1, 0, -1):
-        total += B * (2 * u + b) / (k * gap * base**k)
+        total += B * slope / (k * gap * base**k)
         B *= sp.Rational(2 * (2 * k - 1), k) / gap
     root = sp.sqrt(sp.Abs(gap))
     if gap.is_positive:
-        return total + 2 * B / root * sp.atan((2 * u + b) / root)
+        return total + 2 * B / root * sp.atan(slope / root)
     if gap.is_negative:
-        return total + B / root * sp.log((2 * u + b - root) / (2 * u + b + root))
+        return total + B / root * sp.log((slope - root) / (slope + root))
     if power > 1:
         return None
     # Roots that may be real or complex: the arctangent over its root, which is analytic in the discriminant.
@@ -487,7 +488,7 @@ def _exponential_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr |
     """exp(-a u) times a rational function with linear denominators, a > 0: E_1."""
     rational, exponential = factors.as_independent(sp.exp, as_Add=False)
     parts = partial_fractions(polynomial * rational, u)
-    line = coefficients(exponential.args[0], u) if isinstance(exponential, sp.exp) else []
+    line = argument_coefficients(exponential, sp.exp, u)
     if parts is None or len(line) != 2 or not line[0].is_negative or any(len(base) > 2 for _, base, _ in parts[1]):
         return None
     total = _integrate_repeatedly(parts[0], exponential, line, u) or sp.Integer(0)
@@ -511,7 +512,7 @@ def _logarithm_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr | N
     """
     rational, logarithm = factors.as_independent(sp.log, as_Add=False)
     parts = partial_fractions(polynomial * rational, u)
-    line = coefficients(logarithm.args[0], u) if isinstance(logarithm, sp.log) else []
+    line = argument_coefficients(logarithm, sp.log, u)
     if parts is None or len(line) != 2 or any(len(base) > 2 for _, base, _ in parts[1]):
         return None
     whole = _integral_of_polynomial(parts[0], u)
@@ -541,7 +542,7 @@ def _exponential_tanh(polynomial: Expr, exponential: Expr, tanh: Expr, u: Expr) 
     if not isinstance(tanh, sp.tanh) or not len(decay) == len(slope) == 2 or slope[1] != 0:
         return None
     k = slope[0]
-    r = -decay[0] / slope[0]
+    r = -decay[0] / k
     if not r.is_positive:
         return None
 

@@ -13,10 +13,11 @@ import sympy as sp
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.formula.finding.matching import (
     Rule,
+    argument_coefficients,
     as_binomial,
+    as_damped_wave,
     as_power,
     as_stretched,
-    coefficients,
     first_rule,
     minus_discriminant,
     partial_fractions,
@@ -59,7 +60,7 @@ def _exponent_over_speed(part: Expr, u: Expr) -> tuple[Expr, Expr] | None:
     if part == 1 / u:
         return sp.S.Zero, sp.S.Zero
     numerator = sp.expand_mul(part * u)
-    line = coefficients(numerator.args[0], u) if isinstance(numerator, sp.exp) else []
+    line = argument_coefficients(numerator, sp.exp, u)
     if len(line) == 2:
         return (line[0], line[1])
     return None
@@ -102,10 +103,10 @@ def _rational(polynomial: Expr, factors: Expr, u: Expr, V: Expr) -> Expr | None:
     for numerator, (_, *b, c), power in parts[1]:
         A = sp.Poly(numerator, u).nth(1)
         B = sp.Poly(numerator, u).nth(0)
-        if not b:
-            total += numerator * _average_over_linear(c, power, V)
-        else:
+        if b:
             total += _average_over_quadratic(A, B, b[0], c, power, V)
+        else:
+            total += numerator * _average_over_linear(c, power, V)
     return total
 
 
@@ -193,7 +194,7 @@ def _series(polynomial: Expr, factors: Expr, u: Expr, V: Expr) -> Expr | None:
         z = -(rate**2) / 4
         known = True
     else:
-        line = coefficients(factors.args[0], u) if isinstance(factors, sp.erf) else []
+        line = argument_coefficients(factors, sp.erf, u)
         known = len(line) == 2 and line[1] == 0
         q = sp.Integer(1)
         upper = [_HALF]
@@ -209,7 +210,7 @@ def _series(polynomial: Expr, factors: Expr, u: Expr, V: Expr) -> Expr | None:
 def _rate_of_sinc(factors: Expr, u: Expr) -> Expr | None:
     """Return k of sin(k u)/u, or None."""
     sine = factors * u
-    line = coefficients(sine.args[0], u) if isinstance(sine, sp.sin) else []
+    line = argument_coefficients(sine, sp.sin, u)
     if len(line) == 2 and line[1] == 0:
         return line[0]
     return None
@@ -255,14 +256,12 @@ def _bessel(polynomial: Expr, node: Expr, line: list[Expr], u: Expr, V: Expr) ->
 
 def _damped_wave(polynomial: Expr, factors: Expr, u: Expr, V: Expr) -> Expr | None:
     """Average u^n exp(a u + c) cos(b u + d), or sin: the real part of the rule for exp((a + i b) u)."""
-    exponential, wave = factors.as_independent(sp.sin, sp.cos, as_Add=False)
-    if not (isinstance(exponential, sp.exp) and isinstance(wave, sp.sin | sp.cos)):
+    match = as_damped_wave(factors, u)
+    if match is None:
         return None
-    (a, *c), (b, *d) = (coefficients(factor.args[0], u) for factor in (exponential, wave))
-    if not len(c) == len(d) == 1:
-        return None
+    _, wave, (a, c), (b, d) = match
     z = a + sp.I * b
-    phase = c[0] + sp.I * d[0]
+    phase = c + sp.I * d
     part = sp.re if isinstance(wave, sp.cos) else sp.im
     return _averages(polynomial, lambda k: part(sp.exp(phase + z * V) * sp.besseli(k, -z * V)), u, V)
 
@@ -293,14 +292,17 @@ def _logarithm(polynomial: Expr, node: Expr, line: list[Expr], u: Expr, V: Expr)
 
 def _arctangent(polynomial: Expr, node: Expr, line: list[Expr], u: Expr, V: Expr) -> Expr | None:
     """Average u^n atan(a u + b): the imaginary part of the rule for the logarithm of u + x + i y."""
-    if node.is_Pow or (line[0].is_nonnegative is None and line[1] != 0):
+    rate, shift = line
+    if node.is_Pow or (rate.is_nonnegative is None and shift != 0):
         return None
     # SymPy writes atan(u/w - a) as -atan(a - u/w); the arctangent is odd.
-    sign = {True: sp.S.One, False: sp.S.NegativeOne}.get(line[0].is_nonnegative, line[0] / sp.Abs(line[0]))
-    x = line[1] / line[0]
-    y = 1 / (sign * line[0] if line[0].is_nonnegative is not None else sp.Abs(line[0]))
+    size = sp.Abs(rate)
+    sign = rate / size
+    if rate.is_nonnegative is not None:
+        sign = sp.S.One if rate.is_nonnegative else sp.S.NegativeOne
+        size = sign * rate
     return sign * _average_of_complex_logarithm(
-        polynomial, x, y, lambda p, q: sp.atan(p / q), lambda p, q: q, u, V
+        polynomial, shift / rate, 1 / size, lambda p, q: sp.atan(p / q), lambda p, q: q, u, V
     )
 
 

@@ -63,6 +63,21 @@ def coefficients(expr: Expr, u: Expr) -> list[Expr]:
     return []
 
 
+def argument_coefficients(node: Expr, kinds: type[Expr] | tuple[type[Expr], ...], u: Expr) -> list[Expr]:
+    """Return `coefficients` of the argument of a function of some kinds; none of anything else."""
+    return coefficients(node.args[0], u) if isinstance(node, kinds) else []
+
+
+def as_damped_wave(factors: Expr, u: Expr) -> tuple[Expr, Expr, list[Expr], list[Expr]] | None:
+    """Match exp(a u + c) cos(b u + d), or sin; return both functions, [a, c] and [b, d]."""
+    exponential, wave = factors.as_independent(sp.sin, sp.cos, as_Add=False)
+    rates = argument_coefficients(exponential, sp.exp, u)
+    turns = argument_coefficients(wave, (sp.sin, sp.cos), u)
+    if len(rates) == len(turns) == 2:
+        return exponential, wave, rates, turns
+    return None
+
+
 def as_power(node: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr] | None:
     """Match (rate u + shift)^p, p no integer; return base, rate, shift, p."""
     base, p = node.as_base_exp()

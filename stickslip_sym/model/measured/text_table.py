@@ -563,17 +563,19 @@ def _layout(lines: Sequence[_Line], name: str) -> _Layout:
         if named and not below:
             raise InputError(f"{name} has no points below line {line.number}; write a line for each")
         for mark in named:
-            units = first[mark] + [""] * (len(cells[mark]) - len(first[mark])) * (mark != " ")
-            if _is_of_units(units, len(cells[mark])):
-                cells[mark] = _join_units(cells[mark], units)
+            names = cells[mark]
+            values = first[mark]
+            units = values + [""] * (len(names) - len(values)) * (mark != " ")
+            if _is_of_units(units, len(names)):
+                names = _join_units(names, units)
                 start += 1
-                first[mark] = _names(rows[start].text, mark) if start < len(rows) else []
+                values = _names(rows[start].text, mark) if start < len(rows) else []
+            fits = len(values) > 1
             if mark == " ":
-                fits = len(first[mark]) == len(cells[mark])
-            else:
-                fits = len(first[mark]) > 1
-            if fits and any(map(is_value, first[mark])):
-                return _Layout(mark, cells[mark], line, rows[start:])
+                fits = len(values) == len(names)
+            if fits and any(map(is_value, values)):
+                return _Layout(mark, names, line, rows[start:])
+
         if named and not line.comment:
             raise InputError(
                 f"{where}: {line.text[:60]!r} names {len(cells[named[-1]])} columns, and line "
