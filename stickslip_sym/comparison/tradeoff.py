@@ -38,7 +38,7 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.maps.basins import basin_map
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.regimes.classification import classify
-from stickslip_sym.motion.simulation.reference import simulate_by_solve_ivp, slip_by_solve_ivp
+from stickslip_sym.motion.simulation.reference import absolute_tolerance, simulate_by_solve_ivp, slip_by_solve_ivp
 from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.output.data import TableResult
@@ -426,7 +426,6 @@ _TIME_OF_RUN = 80 * 2 * math.pi  # time of a run in 1/omega
 _LAST = 0.2  # of it, at its end, that decides about rest
 _QUIET = 0.1  # largest speed at rest, over the belt's
 _SMOOTHED = 0.01  # of the smoothed sign of the slip speed, over the belt's
-_ABSOLUTE = 1e-2  # absolute tolerance in units of V and V/omega, over the relative one
 _DEFAULTS = {"method": "RK45", "max_step": math.inf}
 """What ``solve_ivp`` takes where nothing is said, unlike the package's reference."""
 
@@ -512,8 +511,8 @@ def comes_to_rest_smoothed(law: FrictionLaw, osc: Oscillator, x0: float, v0: flo
         friction = math.tanh(speed / (_SMOOTHED * osc.V)) * osc.N * (mu(abs(speed)) if speed else at_rest)
         return y[1], (friction - osc.c * y[1] - osc.k * y[0]) / osc.m
 
-    atol = _ABSOLUTE * rtol * np.array([osc.V / osc.omega, osc.V])
-    run = solve_ivp(rates, (0.0, _TIME_OF_RUN / osc.omega), (x0, v0), method="LSODA", rtol=rtol, atol=atol)
+    span = (0.0, _TIME_OF_RUN / osc.omega)
+    run = solve_ivp(rates, span, (x0, v0), method="LSODA", rtol=rtol, atol=absolute_tolerance(osc, rtol))
     return _is_quiet(run.t, run.y[1], osc)
 
 

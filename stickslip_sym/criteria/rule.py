@@ -20,7 +20,7 @@ from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import SAME
 from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.model.bound import BoundLaw
-from stickslip_sym.model.table import FrictionTable
+from stickslip_sym.model.table import RISE_RTOL, FrictionTable
 
 _OCTAVES_TO_REST = 40  # of the phase, to which panels shrink towards rest
 _PANEL_NODES = 16
@@ -36,7 +36,6 @@ _Others: TypeAlias = tuple[Criterion, FrictionTable, bool, tuple[float, ...]]
 _Three: TypeAlias = tuple[FloatArray, FloatArray, FloatArray]
 _Four: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 _ROUNDING_OF_AVERAGE = 1e-14  # of the average of abs(mu')
-_TABULATED = 1e-13  # of a rise: the error of a table
 _ROUNDING_OF_MU = 8 * np.finfo(np.float64).eps  # of mu: what rises are not known to
 
 
@@ -172,7 +171,7 @@ def _lacking_rise(
     # Where in a panel it lacks is not known, nor whether it does where a table may be off by as much.
     highest = np.maximum(heights[1:], heights[:-1])
     change = np.abs(np.diff(heights))
-    uncertain = np.where(amount <= _TABULATED * larger, highest, change)
+    uncertain = np.where(amount <= RISE_RTOL * larger, highest, change)
     return (lack * middle).sum(axis=1), (np.abs(lack) * uncertain).sum(axis=1)
 
 

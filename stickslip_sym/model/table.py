@@ -59,7 +59,9 @@ from stickslip_sym.numerics.subdivide import (
 FARTHEST = 1e20
 """The slip speed in m/s at which a table ends at the latest: a motion that comes so far grows without bound."""
 
-_DEGREE = 14  # 15 nodes resolve about an octave of an analytic law to rounding
+RISE_RTOL = 1e-13
+"""The relative error of a rise in its table."""
+TABLE_DEGREE = 14  # 15 nodes resolve about an octave of an analytic law to rounding
 _LOWEST = 1 / FARTHEST**2  # m/s; a law that is singular at rest, as sqrt(v), is a straight line below
 _TAIL_SIZE = 1e-15
 """Of the last two Chebyshev coefficients, relative to the largest value: what they leave out is less."""
@@ -80,11 +82,11 @@ _RISE_OF_NO_ACCOUNT = 100.0  # times the level of the last coefficients: a rise 
 _TINY = 1e-290  # a rise where floats underflow
 _BALL_BITS = 200  # working precision of balls: 1 - exp(-v) has digits down to `_LOWEST`
 
-_CHEBYSHEV_GRID = grid(_DEGREE + 1)
+_CHEBYSHEV_GRID = grid(TABLE_DEGREE + 1)
 _AT_REST = np.array(
     [
-        np.pad(Polynomial(np.trim_zeros(row, "b"))(Polynomial([-1.0, 2.0])).coef, (0, _DEGREE - 1 - k))
-        for k, row in enumerate(grid(_DEGREE).powers)
+        np.pad(Polynomial(np.trim_zeros(row, "b"))(Polynomial([-1.0, 2.0])).coef, (0, TABLE_DEGREE - 1 - k))
+        for k, row in enumerate(grid(TABLE_DEGREE).powers)
     ]
 )  # from Chebyshev's polynomials of 2 t - 1 to powers of t
 
@@ -247,7 +249,7 @@ class FrictionTable:
     @lru_cache  # noqa: B019  # few tables live as long
     def at(self, V: float, *, arrays: bool = False) -> Rise:
         """Return the rise as a function of w = v/V, as lists for plain Python or as arrays for compiled code."""
-        pieces = self.pieces / np.array([V, V, 1 / V, *np.ones(_DEGREE + 1)])
+        pieces = self.pieces / np.array([V, V, 1 / V, *np.ones(TABLE_DEGREE + 1)])
         landings = self._landings
         landings = landings[self.pieces[landings, 0] > _AT_ONCE * V]
         firsts = np.unique(np.concatenate([self.firsts, landings]))
@@ -283,7 +285,7 @@ def _values_at(pieces: FloatArray, v: FloatArray, derivative: bool) -> FloatArra
     """Return polynomials, or their slopes, each at a speed."""
     t = (v - pieces[..., 1]) * pieces[..., 2]
     value = np.zeros_like(v)
-    for k in range(_DEGREE, -1 + derivative, -1):
+    for k in range(TABLE_DEGREE, -1 + derivative, -1):
         value = value * t + pieces[..., k + 3] * (k if derivative else 1)
     if derivative:
         return value * pieces[..., 2]
@@ -332,7 +334,7 @@ class _Segment:
 
     def tabulated(self) -> tuple[FloatArray, float]:
         """Return the pieces, and the speed up to which they go."""
-        rest, begin = (np.empty((0, 3 + _DEGREE + 1)), self.start) if self.start else _first(self)
+        rest, begin = (np.empty((0, 3 + TABLE_DEGREE + 1)), self.start) if self.start else _first(self)
         if begin >= self.high:
             return rest, self.high
         edges = begin * 2.0 ** np.arange(max(1, math.ceil(math.log2(self.high / begin))) + 1)
@@ -504,7 +506,7 @@ def _first(segment: _Segment) -> tuple[FloatArray, float]:
                 or _is_sure_towards_rest(segment, float(widths[0]), float(widths[i]), steepest[i])
             ):
                 return _piece_at_rest(widths[i], coefficients[i]), float(widths[i])
-    straight = np.append(values[0, -1] / nodes[0, -1], np.zeros(_DEGREE))
+    straight = np.append(values[0, -1] / nodes[0, -1], np.zeros(TABLE_DEGREE))
     return _piece_at_rest(widths[0], straight), float(widths[0])
 
 

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_LONGEST_NAME = 60  # characters of a legend
 _SIZE = 6.4, 5.0  # inches
 
 
@@ -73,7 +72,7 @@ def fit_as_html(fitted: Fit | Fits) -> str:
 @dispatch.draw.register(Fit)
 def draw_fit(fit: Fit, ax: Any) -> "Sequence[Artist]":
     """Draw the law with its band and the measured points in a panel, and return the handles of its legend."""
-    draw_law(ax, fit.law, float(fit.measured.v[-1]), fit.measured, fit.band, fit.name[:_LONGEST_NAME])
+    draw_law(ax, fit.law, float(fit.measured.v[-1]), fit.measured, fit.band, fit.name)
     return [handle for handle in ax.get_legend_handles_labels()[0] if not isinstance(handle, tuple)]
 
 

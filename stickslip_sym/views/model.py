@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _SIZE = 5.5, 3.6  # inches
-_LONGEST_NAME = 60  # characters of a legend
+_LEGEND_CHARACTERS = 60
 Band = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """From slip speeds to the lower and the upper end of mu."""
 
@@ -89,7 +89,7 @@ def draw_law(
         draw_rows(ax, measured, measured.mu)
     if band is not None:
         ax.fill_between(v, *band(v), color="#56B4E9", alpha=0.45, linewidth=0, label="95 % band")
-    ax.plot(v, law.at_speeds(v), color=BLUE, linewidth=1.6, label=label)
+    ax.plot(v, law.at_speeds(v), color=BLUE, linewidth=1.6, label=label[:_LEGEND_CHARACTERS])
     ax.legend(loc="best")
     finish(ax, xlabel="slip speed $v$ (m/s)", ylabel=r"coefficient of friction $\mu$", xlim=(0, top))
 
@@ -108,7 +108,7 @@ def plot_law(law: FrictionLaw, path: str | Path | None, ax: "Axes | None", v_max
         if ax is None:
             _, axes = new_figure(*_SIZE)
             ax = axes[0, 0]
-        draw_law(ax, law, top, None, band, law.name or law.text[:_LONGEST_NAME])
+        draw_law(ax, law, top, None, band, law.name or law.text)
         figure: Any = ax.figure
         if path is not None:
             save_drawing(figure, Path(path))

@@ -10,6 +10,7 @@ from uncertainties import UFloat
 from stickslip_sym.comparison.plane import Plane, plane
 from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.core.remedies import Argument
+from stickslip_sym.model.error_band import NORMAL
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.views.drawing import BLUE, GREEN, ORANGE, finish, new_figure, styled
@@ -27,8 +28,6 @@ _LINES = {
 }
 _SIZE = 6.0, 4.2  # inches, of a picture of its own
 
-BAND = 1.96
-"""Standard errors on either side, 95 % of a normal distribution."""
 ABOVE: Look = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": 2, "fontsize": 7.5}
 """Of a legend above its picture."""
 
@@ -48,7 +47,7 @@ def draw_plane(
         if (where := upper > lower).any():  # where neither is NaN
             ax.fill_between(V, lower, upper, where=where, label=label, **style)
     if np.nanmax(curves["standard error"], initial=0.0) > 0:
-        half = BAND * curves["standard error"]
+        half = NORMAL * curves["standard error"]
         shade: Look = {"color": "#56B4E9", "alpha": 0.45, "linewidth": 0}
         ax.fill_between(V, exact - half, exact + half, label="95 % band", **shade)
     ax.plot(V, exact, color=BLUE, linewidth=2, label="threshold")
@@ -83,7 +82,7 @@ def figure_of_plane(threshold: Threshold[float]) -> "Figure":
     rest = {name: nominal[name] for name in "Nmk"}
     with suppress(StickSlipError):  # a law with kinks has none
         curves["second_order"] = pure_slip_damping(law, V=curves["V"], **rest, method="second_order").value
-    spread = {"V": BAND * getattr(point["V"], "std_dev", 0.0), "c": BAND * (threshold.uncertainty or 0.0)}
+    spread = {"V": NORMAL * getattr(point["V"], "std_dev", 0.0), "c": NORMAL * (threshold.uncertainty or 0.0)}
     with styled():
         figure: Figure
         figure, axes = new_figure(*_SIZE)

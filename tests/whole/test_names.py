@@ -83,7 +83,6 @@ SAME_FUNCTIONS = {
 SAME_NUMBERS = {
     "_HEIGHT": "of a picture",
     "_HIGHEST_ROOT": "index of a root that is written as one",
-    "_LONGEST_NAME": "characters of the name of a law in a picture or a heading",
     "_SEED": "of random numbers",
     "_SIZE": "of a picture",
     "_WIDTH": "of a picture",

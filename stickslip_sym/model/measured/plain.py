@@ -13,7 +13,7 @@ from stickslip_sym.core.aliases import FloatArray
 
 _PLAIN_BYTES = b"0123456789+-.eE\n"
 _NEWLINE = ord("\n")
-_LARGEST_NUMBER = 1e30  # beyond it a number stands for none
+OVERFLOW = 1e30  # what instruments write in place of a value out of range is larger, like 9.9E37
 _FIRST_NINES = 99.0  # the least number of nines, which may stand for none
 _NINES = np.array([float(f"{'9' * whole}.{'9' * decimals}0") for whole in range(2, 16) for decimals in range(7)])
 
@@ -38,7 +38,7 @@ def plain_numbers(body: bytes, mark: str, count: int) -> FloatArray | None:
         rows = np.loadtxt(TextIOWrapper(BytesIO(body), "ascii"), delimiter=mark, comments=None, ndmin=2)
     except ValueError:  # a cell that is no number
         return None
-    if rows.shape[1] != count or not (np.abs(rows) < _LARGEST_NUMBER).all():
+    if rows.shape[1] != count or not (np.abs(rows) < OVERFLOW).all():
         return None
     large = np.abs(rows[np.abs(rows) >= _FIRST_NINES])
     return None if np.isin(large, _NINES).any() else rows

@@ -21,7 +21,7 @@ from stickslip_sym.core.foreign import printable
 from stickslip_sym.core.remedies import Argument, Reading, Remedy
 from stickslip_sym.model.measured.blocks import Block, label_of, varying
 from stickslip_sym.model.measured.columns import EXPECTED, HeaderColumn, choose_columns, is_header, read_unit
-from stickslip_sym.model.measured.plain import lines_before, plain_numbers
+from stickslip_sym.model.measured.plain import OVERFLOW, lines_before, plain_numbers
 from stickslip_sym.model.measured.preamble import WrittenRadius, written_radius
 from stickslip_sym.model.measured.proposals import proposed
 from stickslip_sym.model.measured.written_values import is_value, split_values
@@ -49,7 +49,6 @@ _THOUSANDS_IN_ROW = re.compile(r"(?<![\d.])[1-9]\d{0,2}(,\d{3})+(?!\d)")
 _THREE_DIGITS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 _NINES = re.compile(r"[+-]?0*(99[.,]9+|9{3,}([.,](0*|9*))?)")
 _NOTHING = re.compile(r"|nan|n/?a|inf|-+|null|none|#.*", re.IGNORECASE)
-_OVERFLOW = 1e30  # what instruments write in place of a value out of range is larger, like 9.9E37
 _FIRST_TWO = {"v": 1, "mu": 2}
 """The columns of a table of two without a header."""
 _WORKBOOKS = {b"PK\x03\x04": ".xlsx or .ods", b"\xd0\xcf\x11\xe0": ".xls"}
@@ -754,4 +753,4 @@ def _stand_ins(values: FloatArray, cells: Sequence[str]) -> BoolArray:
         ratio = others / values[i]
         is_near = ((ratio > 0.5) & ((ratio < 2) | (values[i] > 0))).any()
         nines[i] = not is_near or (values[i] < 0 and have_decimals)
-    return np.asarray(nines | ~(np.abs(values) < _OVERFLOW))
+    return np.asarray(nines | ~(np.abs(values) < OVERFLOW))

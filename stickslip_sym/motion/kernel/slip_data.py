@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stickslip_sym.core.aliases import FloatArray
-from stickslip_sym.model.table import Pieces, Rise
+from stickslip_sym.model.table import RISE_RTOL, Pieces, Rise
 from stickslip_sym.motion.compiled import compilable
 
 
@@ -177,7 +177,7 @@ class Pace(NamedTuple):
 
 TIGHT = 1e-12
 """The relative tolerance of the steps along which numbers are found that others follow from."""
-PRECISE = 1e-13
+PRECISE = RISE_RTOL
 """The relative error of a rise in its table, and the tolerance of steps where digits are wanted."""
 ADDED = 100
 """Errors of a step that may add up along an orbit: within so many tolerances two states are one."""

@@ -41,6 +41,7 @@ from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, STRONG, orbit_da
 from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.motion.thresholds.averages import fast_average, resolved_gauss_average
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, transit
+from stickslip_sym.motion.thresholds.grazing import ERRORS_TO_CHECK_FATE
 from stickslip_sym.motion.thresholds.methods import Method, MethodName, accuracy, evaluate, find_method, methods
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, oscillator_quantities
 from stickslip_sym.motion.thresholds.theorem import Search, checked_hypotheses
@@ -74,7 +75,6 @@ _BRACKET_RATIO = 8.0  # times, by which the bracket about a root grows
 _ROOT_RTOL_RATIO = 1e-3  # of rtol, the relative error of a threshold at a root
 _SMALL_NEWTON_STEP = 1e-2
 """Of the distance to where a threshold turns, a step of Newton's method that is a small one."""
-_ERRORS_TO_CONFIRM = 10.0  # errors of a value, on either side of which the slip from P has different fates
 _MEETS = 1e-13  # relative, of the argument at which the orbit that grazes comes to a slip speed
 _FLAT = math.sqrt(SIGNS)  # relative, whose square is nothing: distance of an extremum or an edge, step of Newton's
 
@@ -669,7 +669,7 @@ class _Search:
             result = self._result(x, width)
             if abs(result.value - x) >= width:
                 return None
-            beside = _ERRORS_TO_CONFIRM * (result.relative_error or 0.0) * abs(result.value)
+            beside = ERRORS_TO_CHECK_FATE * (result.relative_error or 0.0) * abs(result.value)
             beside = min(max(beside, _FLAT * abs(result.value)), width)
             fates = [excess(self.at(result.value + side * beside), self.c, self.method) for side in (-1, 1)]
         except NO_RESULT:

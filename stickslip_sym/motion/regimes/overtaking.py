@@ -31,7 +31,7 @@ from scipy.special import comb
 
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.deadline import check_time
-from stickslip_sym.model.table import FrictionTable
+from stickslip_sym.model.table import TABLE_DEGREE, FrictionTable
 from stickslip_sym.motion.kernel.slip_data import ADDED, PRECISE
 from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.numerics.known import Column, Unknown
@@ -51,13 +51,12 @@ _SINK_RATIO = 1e3  # to less than a thousandth, so that R is as good as constant
 _SAME_PERIOD = 1e-6  # relative, periods of such a cycle by steps of two tolerances, or it is not known
 _LOST = Unknown("a round takes too many steps")
 
-_LAW_DEGREE = 14  # of the polynomials of a law
-_POWERS = np.arange(_LAW_DEGREE + 1)
+_POWERS = np.arange(TABLE_DEGREE + 1)
 _BINOMIAL = comb(_POWERS[:, None], _POWERS)
-_BERNSTEIN = _BINOMIAL.T / comb(_LAW_DEGREE, _POWERS)[:, None]
+_BERNSTEIN = _BINOMIAL.T / comb(TABLE_DEGREE, _POWERS)[:, None]
 """Powers of a place from 0 to 1 in Bernstein's polynomials, between whose coefficients a polynomial lies."""
 _GAUSS_NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(
-    _LAW_DEGREE // 2 + 1
+    TABLE_DEGREE // 2 + 1
 )  # exact for w times such a polynomial
 
 
@@ -102,7 +101,7 @@ def _bounded(table: FrictionTable, V: float) -> tuple[FloatArray, FloatArray, Fl
     begin = (low - rows[:, 1:2]) * scale
     shifts = np.tril(begin[:, :, None] ** np.maximum(_POWERS[:, None] - _POWERS, 0)) * _BINOMIAL
     powers = np.einsum("ik,ikj->ij", rows[:, 3:], shifts) * (scale * width) ** _POWERS
-    return edges, low + width * _POWERS / _LAW_DEGREE, table.onset + powers @ _BERNSTEIN
+    return edges, low + width * _POWERS / TABLE_DEGREE, table.onset + powers @ _BERNSTEIN
 
 
 def reaches(system: NondimensionalOscillator, eta: FloatArray, zeta: FloatArray) -> FloatArray:

@@ -24,6 +24,11 @@ _ATOL_OVER_RTOL = 1e-2  # absolute tolerance in units of V and V/omega, over the
 _LONGEST_STEP = 0.1  # of 1/omega, the longest: events are seen where a step has different signs at its ends
 
 
+def absolute_tolerance(osc: Oscillator, rtol: float) -> FloatArray:
+    """Return the absolute tolerances of x and v that go with a relative one."""
+    return _ATOL_OVER_RTOL * rtol * np.array([osc.V / osc.omega, osc.V])
+
+
 def slip_by_solve_ivp(
     law: BoundLaw, osc: Oscillator, t: float, x: float, v: float, side: int, t_end: float, rtol: float,
     **options: Any,
@@ -51,7 +56,7 @@ def slip_by_solve_ivp(
     tight: dict[str, Any] = {"method": "DOP853", "max_step": _LONGEST_STEP / osc.omega}
     solution = solve_ivp(
         rates, (t, t_end), (x, v), rtol=max(rtol, 1e-13), dense_output=True, events=at_belt_speed,
-        atol=_ATOL_OVER_RTOL * rtol * np.array([osc.V / osc.omega, osc.V]), **tight | options,
+        atol=absolute_tolerance(osc, rtol), **tight | options,
     )  # fmt: skip
     if solution.status < 0:
         raise NotConverged(f"solve_ivp cannot go on beyond t = {solution.t[-1]:.6g} s: {solution.message}")

@@ -24,7 +24,7 @@ _LOOSEST_THRESHOLD_RTOL = 1e-9  # relative error that is sought in any case: it 
 _LOOSEST_STRONG = 1e-8  # the same where friction is strong: 1e-9 would often take a second search
 _TABULATED_OVER_HIGHEST = 1.5
 """Times the highest slip speed, up to which a derivative of the law is tabulated: steps try further."""
-_ERRORS_TO_CHECK_FATE = 10.0  # errors from a threshold at which the fate of the slip from P is asked for
+ERRORS_TO_CHECK_FATE = 10.0  # errors from a threshold at which the fate of the slip from P is asked for
 _ERRORS_OF_CERTAIN_FATE = 3.0  # times the errors of a slip as a whole, from where its fate is certain
 _OF_SPRING = 0.1  # friction may be far weaker than the spring, whose share of these errors is that
 _MOST_FATE_STEPS = 2000  # of such a slip: the search for a threshold takes about as many
@@ -51,7 +51,7 @@ def grazing_damping(law: BoundLaw, osc: Oscillator, *, rtol: float, fast: bool =
     zeta, error = orbit_damping_ratio(system, rtol=min(rtol, loosest), fast=fast)
     unit = 2 * osc.impedance
     if not fast:
-        _confirm(system, zeta, _ERRORS_TO_CHECK_FATE * error)
+        _confirm(system, zeta, ERRORS_TO_CHECK_FATE * error)
     return zeta * unit, error * unit
 
 

@@ -34,14 +34,13 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.averages import resolved_gauss_average
 from stickslip_sym.output.tables import now
 from stickslip_sym.views.markup import Markup
-from stickslip_sym.views.pages.render import render
+from stickslip_sym.views.pages.render import heading, render
 
 _TEMPLATE = Path(__file__).with_name("explorer.html")
 _SCRIPTS = [Path(__file__).with_name(name) for name in ("slip.js", "explorer.js")]
 _RANGE = 5.0  # times a value, and its inverse, that a slider reaches
 _TABLE_ROWS = 500  # of a table of slope averages over log V
 _MOST_POINTS = 2000  # measured ones that are drawn
-_LONGEST_TITLE = 80  # characters
 _SIGNS = {"V": "positive", "N": "nonnegative", "m": "positive", "k": "positive"}
 """What Python requires of the operating point."""
 
@@ -124,15 +123,10 @@ def explorer(
         criteria_code = writer.code(functions, "javascript")
     else:
         criteria_code = LANGUAGES["javascript"].page["head"].replace("$about\n", "")
-    own_name = title or law.name or law.text
-    if len(own_name) <= _LONGEST_TITLE:
-        short_name = own_name
-    else:
-        short_name = f"{own_name[: _LONGEST_TITLE - 1]}…"
     page_script = "".join(script.read_text(encoding="utf-8") for script in _SCRIPTS)
     return render(
         _TEMPLATE,
-        title=f"Stick–slip explorer: {short_name}",
+        title=f"Stick–slip explorer: {heading(title or law.name or law.text)}",
         law=law.text if law.curve is None else str(law.curve),
         missing=missing,
         uncertain=", ".join(uncertain),

@@ -22,6 +22,7 @@ _PACKAGES = ("sympy", "mpmath", "numpy", "scipy", "matplotlib", "uncertainties")
 _FRAME = Path(__file__).parent
 _POWER = re.compile(r"(.*)e([+-])0*(\d+)")
 _MOST_DECIMALS = 9
+_HEADING_CHARACTERS = 80
 _SHOWN_WITH_POWER = 1e7  # from which a number is shown with a power of ten
 
 
@@ -63,6 +64,11 @@ def render(template: Path, **values: Any) -> str:
     style = Markup("".join(sheet.read_text(encoding="utf-8") for sheet in sheets))
     page = environment.get_template(template.name)
     return page.render(values, style=style, versions=versions())
+
+
+def heading(name: str) -> str:
+    """Return a name as it stands in a heading: a long one is cut."""
+    return name if len(name) <= _HEADING_CHARACTERS else f"{name[: _HEADING_CHARACTERS - 1]}…"
 
 
 def number(value: float | None, form: str = ".6g") -> Markup:

@@ -14,7 +14,7 @@ from stickslip_sym.comparison.plane import Plane
 from stickslip_sym.comparison.study import DERIVATIVES, REACH, Study
 from stickslip_sym.core import symbols
 from stickslip_sym.core.symbols import QUANTITIES
-from stickslip_sym.model.error_band import error_band
+from stickslip_sym.model.error_band import NORMAL, error_band
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.regimes.regime import Regime
 from stickslip_sym.motion.simulation.trajectory import Phase, Trajectory
@@ -25,14 +25,13 @@ from stickslip_sym.views.drawing import finish, new_figure, styled, svg_uri
 from stickslip_sym.views.markup import Markup, element
 from stickslip_sym.views.model import draw_law
 from stickslip_sym.views.pages.browser import print_to_pdf
-from stickslip_sym.views.pages.render import mathml_equation, number_with_error, render
-from stickslip_sym.views.threshold_plane import ABOVE, BAND, Look, draw_plane
+from stickslip_sym.views.pages.render import heading, mathml_equation, number_with_error, render
+from stickslip_sym.views.threshold_plane import ABOVE, Look, draw_plane
 
 _TEMPLATE = Path(__file__).with_name("study_page.html")
 _SHEETS = 2  # of paper
 _WIDEST = 260  # characters of a formula as text, up to which it fits a sheet when it is set
 _MOST_PAGE_CHARACTERS = 1500  # characters that are shown at all
-_LONGEST_NAME = 80  # characters of a heading
 _MOST_SHOWN_DIGITS = 10  # of a value, at most
 _SIZE = 4.6, 3.1  # inches: two beside each other on a screen and on paper
 _POINTS_OF_MOTION = 2000  # points of the motion over time
@@ -41,13 +40,9 @@ _BELT_SPEEDS_SHOWN = 10.0  # belt speeds up to which a motion is shown in the ph
 
 def page_of_study(study: Study) -> str:
     """Return the page; matplotlib, jinja2 and latex2mathml are needed."""
-    if len(study.title) <= _LONGEST_NAME:
-        title = study.title
-    else:
-        title = f"{study.title[: _LONGEST_NAME - 1]}…"
     return render(
         _TEMPLATE,
-        title=f"Stick–slip study: {title}",
+        title=f"Stick–slip study: {heading(study.title)}",
         study=study,
         value=lambda name: number_with_error(study.value(name), study.standard_error(name)),
         units=QUANTITIES,
@@ -149,7 +144,7 @@ def _law(ax: Any, study: Study, law: FrictionLaw) -> None:
 
 
 def _plane(ax: Any, study: Study, thresholds: Plane) -> None:
-    spread = {name: BAND * (study.standard_error(name) or 0.0) for name in "Vc"}
+    spread = {name: NORMAL * (study.standard_error(name) or 0.0) for name in "Vc"}
     draw_plane(ax, thresholds, study.oscillator, spread)
 
 
