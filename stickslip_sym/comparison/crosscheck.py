@@ -129,7 +129,8 @@ def scatter(law: FrictionLaw, criterion: Criterion, V: float, N: float) -> float
         return 0.0
     end = law.curve.end
     points = [(place, cubic[0]) for place, cubic in zip(law.curve.places, law.curve.cubics, strict=True)]
-    points += [] if end is None else [(end, exact(float(law.mu(float(end))), "mu"))]
+    if end is not None:
+        points += [(end, exact(float(law.mu(float(end))), "mu"))]
     if len(points) < _FEWEST_POINTS:
         return 0.0
     values, whole = [], law.kinetic.table  # between whose places all curves are smooth

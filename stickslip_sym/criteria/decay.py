@@ -96,7 +96,8 @@ def start_of(mu: Expr, point: Mapping[Expr, Expr | acb], reach: arb, bits: int) 
     decay = decay_at_rest(mu, point)
     logarithmic = [_decay_in_logarithm(node, point) for node in mu.atoms(sp.exp)]
     starts = [one.below(reach, bits) for one in logarithmic if one is not None]
-    starts += [] if decay is None else [decay.below(reach, bits)]
+    if decay is not None:
+        starts += [decay.below(reach, bits)]
     return min(starts, key=float, default=None)
 
 

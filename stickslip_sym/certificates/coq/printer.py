@@ -149,8 +149,10 @@ class CoqPrinter(Printer):  # type: ignore[misc]  # SymPy is untyped
         below = list[str]()
         for factor in expr.as_ordered_factors():
             if factor.is_Rational:
-                above += [str(factor.p)] if factor.p != 1 else []
-                below += [str(factor.q)] if factor.q != 1 else []
+                if factor.p != 1:
+                    above += [str(factor.p)]
+                if factor.q != 1:
+                    below += [str(factor.q)]
             elif isinstance(factor, sp.sech | sp.csch):
                 below.append(self._print(factor).removeprefix("/ "))
             elif factor.is_Pow and factor.exp.is_Integer and factor.exp < 0:

@@ -215,7 +215,8 @@ class Script:
         bases = [node.args[0] for node in nodes if node.func.__name__ == "Rpower"]
         arguments = [node.args[-1] for node in nodes if NAMED.get(node.func.__name__, node.func.__name__) == name]
         arguments += [node.args[-1] for node in nodes if name == "ln" and node.func.__name__ == "power"]
-        arguments += bases if name == "ln" else []
+        if name == "ln":
+            arguments += bases
         return any(not differs(argument.xreplace(letters), value) for argument in arguments for letters in at)
 
     def unified(self, using: str, *exprs: Expr) -> Iterator[str]:

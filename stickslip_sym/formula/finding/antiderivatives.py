@@ -77,7 +77,7 @@ def _integrate_repeatedly(polynomial: Expr, node: Expr, line: list[Expr], u: Exp
     )
 
 
-def _by_parts(product: Expr, rest: Expr, u: Expr) -> Expr | None:
+def _subtract_integral(product: Expr, rest: Expr, u: Expr) -> Expr | None:
     """Return a product less the integral of what integration by parts leaves, if that has one."""
     left = antiderivative(rest, sp.Integer(1), u)
     return None if left is None else product - left[1]
@@ -98,7 +98,7 @@ def _product_by_parts(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     whole = _integral_of_polynomial(polynomial, u)
     slope = sp.diff(function, u)
     factor = sp.cancel(whole * slope) if slope.is_rational_function(u) else whole * slope
-    return _by_parts(whole * node, power * factor * function ** (power - 1), u)
+    return _subtract_integral(whole * node, power * factor * function ** (power - 1), u)
 
 
 def _reduced(polynomial: Expr, alpha: Expr, beta: Expr, u: Expr) -> tuple[Expr, Expr]:
@@ -310,7 +310,7 @@ def _exponential_of_root(polynomial: Expr, error: Expr, exponential: Expr, u: Ex
         return None
     whole = sp.factor_terms(_integrate_repeatedly(polynomial, exponential, line, u) / exponential)
     rest = sp.expand(whole * exponential * sp.diff(error, u))
-    return _by_parts(whole * exponential * error, rest, u)
+    return _subtract_integral(whole * exponential * error, rest, u)
 
 
 def _log_cosh(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
@@ -320,7 +320,7 @@ def _log_cosh(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     (x,) = node.args[0].args
     whole = _integral_of_polynomial(polynomial, u)
     rest = sp.expand(whole * sp.diff(x, u)) * sp.tanh(x)
-    return _by_parts(whole * node, rest, u)
+    return _subtract_integral(whole * node, rest, u)
 
 
 def _softplus(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:

@@ -198,7 +198,8 @@ def _random_points(*sides: Expr) -> list[dict[Expr, Expr]]:
             value = sp.Rational(rng.randint(3, 40), rng.randint(7, 13))
             if symbol.is_nonnegative is None:
                 # The first three such symbols run through all combinations of signs.
-                value *= -1 if number >> (either % 3) & 1 else 1
+                if number >> (either % 3) & 1:
+                    value *= -1
                 either += 1
             point[symbol] = value
         for function in functions:

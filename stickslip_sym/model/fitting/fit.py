@@ -205,7 +205,8 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
     root = rows_of_v.T / singular / sizes[:, None]  # of (J^T J)^-1
     covariance = np.zeros((k, k))
     covariance[np.ix_(smooth, smooth)] = inflation * (root @ root.T)
-    covariance *= 1 if measured.sigma is not None else chi_squared / dof / inflation
+    if measured.sigma is None:
+        covariance *= chi_squared / dof / inflation
     fitted = Fit(
         free_law=law,
         values=values,

@@ -153,7 +153,8 @@ class Fit(_Report, DataResult, by_identity=True):
         beyond = []
         if high * (1 + 1e-9) < 2 * V:
             beyond = [f"above {high:.3g} m/s"]
-        beyond += [f"below {low:.3g} m/s"] if low > _NEAR_REST * V else []
+        if low > _NEAR_REST * V:
+            beyond += [f"below {low:.3g} m/s"]
         if not beyond:
             return None
         return (

@@ -132,7 +132,8 @@ class Measurements(Drawn, TableResult):
         if deviations is not None:
             known = np.broadcast_to(deviations, speeds.shape)[order]
         rows = f"{len(speeds)} rows{'' if sigma is None else ' with sigma'}"
-        rows += f", {masked} masked rows left out" if masked else ""
+        if masked:
+            rows += f", {masked} masked rows left out"
         return cls(speeds[order], coefficients[order], known, rows, order=order).in_branches().with_tails_weighed()
 
     def in_branches(self, direction: IntArray | None = None) -> "Measurements":

@@ -92,7 +92,8 @@ def proposed(
             choose_columns(header, name, these, radius or (None if size is None else _ANY), (), written)
         except InputError:
             continue
-        arguments |= {} if size is None else {"radius": size}
+        if size is not None:
+            arguments |= {"radius": size}
         return Reading.of(name, **arguments, **({} if block is None else {"block": block}))
     return None
 

@@ -255,12 +255,14 @@ def _turns(v: FloatArray, span: float | None = None) -> list[int]:
                 high = i
                 highest = speed
             if way >= 0 and highest - speed > least:
-                turns += [high] if way else []
+                if way:
+                    turns += [high]
                 way = -1
                 low = i
                 lowest = speed
             elif way <= 0 and speed - lowest > least:
-                turns += [low] if way else []
+                if way:
+                    turns += [low]
                 way = 1
                 high = i
                 highest = speed

@@ -826,7 +826,8 @@ class _Search:
             off = float((computed.relative_error * points.error_base(computed.value))[0])
             curved = step**2 / (min(width, abs(x)) or abs(x))
             error = (abs(sensitivity["c"]) * off + curved) / abs(x) + ROUNDING
-            error += 0.0 if near else abs(step / x)
+            if not near:
+                error += abs(step / x)
         moved = near or (self.criterion is None and abs(step) < abs(x) / 2)
         return Critical(self.of, x + step if moved else x, self.unit, method.name, error, sensitivity)
 
