@@ -86,15 +86,16 @@ def _script_lines(derivation: Derivation, functions: Sequence[Expr], names: dict
         if isinstance(step.statement, sp.Gt):
             yield f"check(sp.factor(left).is_positive, {message})"
             continue
-        if isinstance(step.by, ChangeOfVariable):
-            old, new, image = (python_code(part, names) for part in (step.by.old, step.by.new, step.by.image))
+        by = step.by
+        if isinstance(by, ChangeOfVariable):
+            old, new, image = (python_code(part, names) for part in (by.old, by.new, by.image))
             yield f"left = left.transform({old}, ({image}, {new}))  # {old} = {image}"
-        elif isinstance(step.by, LinearSolution):
-            unknowns = ", ".join(names[x] for x in step.by.unknowns)
-            if step.by is not solved:
-                equations = ", ".join(map(text, step.by.equations))
+        elif isinstance(by, LinearSolution):
+            unknowns = ", ".join(names[x] for x in by.unknowns)
+            if by is not solved:
+                equations = ", ".join(map(text, by.equations))
                 yield script_line(f"(solution,) = sp.linsolve([{equations}], [{unknowns}])")
-            solved = step.by
+            solved = by
             yield f"left = left.subs(dict(zip([{unknowns}], solution, strict=True)), simultaneous=True)"
         yield assignment(right := f"right_{number}", text(step.statement.rhs))
         yield f"check(vanishes(left - {right}), {message})"

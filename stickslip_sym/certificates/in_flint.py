@@ -148,14 +148,15 @@ class _Flint(StrPrinter):  # type: ignore[misc]  # SymPy is untyped
 
     def _print_Pow(self, expr: Expr, rational: bool = False) -> str:
         del rational
+        exponent = expr.exp
         if expr.base is sp.E:
-            return self._print_Function(sp.Function("exp")(expr.exp))
-        if expr.exp == -1:
+            return self._print_Function(sp.Function("exp")(exponent))
+        if exponent == -1:
             return f"1/({self.doprint(expr.base)})"
         base = flint_number(expr.base) if expr.base.is_Rational else self.doprint(expr.base)
-        if expr.base.is_Symbol and expr.exp.is_Integer and 1 < expr.exp <= _PRODUCT:
-            return f"({' * '.join([base] * int(expr.exp))})"
-        return self._call("whole" if expr.exp.is_Integer else "power", base, self.doprint(expr.exp))
+        if expr.base.is_Symbol and exponent.is_Integer and 1 < exponent <= _PRODUCT:
+            return f"({' * '.join([base] * int(exponent))})"
+        return self._call("whole" if exponent.is_Integer else "power", base, self.doprint(exponent))
 
     def _print_NumberPower(self, expr: Expr) -> str:
         return self._call("power", flint_number(expr.args[0]), self.doprint(expr.args[1]))

@@ -42,18 +42,19 @@ class Oscillator:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            given = getattr(self, field.name)
-            if has_error(si_number(given, field.name) if isinstance(given, str) else str(given)):
+            name = field.name
+            given = getattr(self, name)
+            if has_error(si_number(given, name) if isinstance(given, str) else str(given)):
                 raise InputError(
-                    Name(field.name),
+                    Name(name),
                     f" = {given} has a standard error, and an Oscillator holds numbers alone; give it beside, as ",
-                    Argument("errors", {field.name: str(given)}),
+                    Argument("errors", {name: str(given)}),
                     " of study or margins, or give V, N, m and k with theirs to pure_slip_damping",
                 )
-            value = real(field.name, given)
-            object.__setattr__(self, field.name, value)
-            if field.name != "c":
-                require_sign(field.name, value)
+            value = real(name, given)
+            object.__setattr__(self, name, value)
+            if name != "c":
+                require_sign(name, value)
 
     @property
     def omega(self) -> float:

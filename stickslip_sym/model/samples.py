@@ -149,13 +149,14 @@ def _checked(v: Iterable[Number], mu: Iterable[Number]) -> tuple[list[Rational],
             raise InputError(f"{name} is a sequence of numbers, got {type(values).__name__}")
     v = list(v)
     mu = list(mu)
-    if len(v) != len(mu):
-        raise InputError(f"v has {len(v)} numbers and mu {len(mu)}; give one mu for each v")
-    if len(v) < FEWEST:
-        raise InputError(f"{len(v)} points were given; a curve needs {FEWEST} or more, so measure at more speeds")
-    if len(v) > MOST:
+    count = len(v)
+    if count != len(mu):
+        raise InputError(f"v has {count} numbers and mu {len(mu)}; give one mu for each v")
+    if count < FEWEST:
+        raise InputError(f"{count} points were given; a curve needs {FEWEST} or more, so measure at more speeds")
+    if count > MOST:
         raise InputError(
-            f"{len(v)} points were given, and each becomes a piece of the formula; fit a law to so many (",
+            f"{count} points were given, and each becomes a piece of the formula; fit a law to so many (",
             Call("stickslip_sym.fit", "fit FILE"),
             f"), or average them over bins of speed to {MOST} or fewer, where the file is read: ",
             Argument("bins", MOST),

@@ -500,12 +500,13 @@ def _first(segment: _Segment) -> tuple[FloatArray, float]:
         for i in np.flatnonzero(fits & own.all(axis=1))[::-1]:
             below = nodes[: i + 1]
             there = values[: i + 1]
-            fitted = below * polynomial_values(coefficients[i], 2 * below / widths[i] - 1)
+            width = widths[i]
+            fitted = below * polynomial_values(coefficients[i], 2 * below / width - 1)
             if (np.abs(fitted - there) <= _RISE_NOISE * np.abs(there) + noise).all() and (
-                segment.is_sure(0.0, widths[i], steepest[i], 0)
-                or _is_sure_towards_rest(segment, float(widths[0]), float(widths[i]), steepest[i])
+                segment.is_sure(0.0, width, steepest[i], 0)
+                or _is_sure_towards_rest(segment, float(widths[0]), float(width), steepest[i])
             ):
-                return _piece_at_rest(widths[i], coefficients[i]), float(widths[i])
+                return _piece_at_rest(width, coefficients[i]), float(width)
     straight = np.append(values[0, -1] / nodes[0, -1], np.zeros(TABLE_DEGREE))
     return _piece_at_rest(widths[0], straight), float(widths[0])
 

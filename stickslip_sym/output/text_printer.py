@@ -90,14 +90,15 @@ def decimal(number: Expr, *, shortest: bool = False, least: int = _LEAST_DENOMIN
     Other numbers give none. With `shortest` a binary number of double precision is its shortest decimal;
     `least` is the least denominator of a decimal.
     """
-    if number.q == 1:
+    q = number.q
+    if q == 1:
         return str(number.p)
-    if number.q >= least and number.q % 5 == 0 and 10**_LONGEST_DECIMAL % number.q == 0:
+    if q >= least and q % 5 == 0 and 10**_LONGEST_DECIMAL % q == 0:
         with localcontext(prec=_MOST_DIGITS):
-            text = f"{Decimal(int(number.p)) / Decimal(int(number.q)):f}"
+            text = f"{Decimal(int(number.p)) / Decimal(int(q)):f}"
         return text if len(text) <= _LONGEST_DECIMAL else ""
-    is_double = shortest and number.q >= _LEAST_COMPUTED_DENOMINATOR and number.q & (number.q - 1) == 0
-    if is_double and Fraction(float(number)) == Fraction(int(number.p), int(number.q)):
+    is_double = shortest and q >= _LEAST_COMPUTED_DENOMINATOR and q & (q - 1) == 0
+    if is_double and Fraction(float(number)) == Fraction(int(number.p), int(q)):
         return f"{Decimal(repr(float(number))):f}"
     return ""
 

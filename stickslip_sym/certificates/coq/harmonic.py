@@ -130,13 +130,14 @@ class Harmonic(Script):
         weight = self.form.criterion.weight
         if weight != 2 * sp.sqrt(1 - symbols.s**2) / sp.pi:
             raise Unsupported(f"a script in Coq has no weight {printing.text(weight)}")
-        mu = self.words(law, self.v)
-        c = self.words(self.form.expr, self.v)
-        shares = {term: self.words(share, self.v) for term, share in self.form.shares}
-        require_regular(self.v, mu, *[self.words(row.slope, self.v) for row in self.rows], at_rest=True)
+        v = self.v
+        mu = self.words(law, v)
+        c = self.words(self.form.expr, v)
+        shares = {term: self.words(share, v) for term, share in self.form.shares}
+        require_regular(v, mu, *[self.words(row.slope, v) for row in self.rows], at_rest=True)
         in_code = " + ".join(f"({self.code(share)})" for share in shares.values()) or self.code(c)
-        supplied = [self.words(expr, self.v) for row in self.rows for expr in row.supplied]
-        excluded = denominators(c, mu, *supplied, without=(self.v,))
+        supplied = [self.words(expr, v) for row in self.rows for expr in row.supplied]
+        excluded = denominators(c, mu, *supplied, without=(v,))
         law_text = self.law(mu, in_code, excluded, self.part("weight"))
         terms = "\n".join(map(self._over_angle, self.rows))
         amplitudes = [(self.whole(row.amplitude), row.label) for row in self.rows]

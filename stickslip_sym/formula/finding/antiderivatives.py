@@ -491,16 +491,17 @@ def _exponential_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr |
     line = argument_coefficients(exponential, sp.exp, u)
     if parts is None or len(line) != 2 or not line[0].is_negative or any(len(base) > 2 for _, base, _ in parts[1]):
         return None
+    rate, middle = line
     total = _integrate_repeatedly(parts[0], exponential, line, u) or sp.Integer(0)
     for numerator, (_, shift), power in parts[1]:
         base = u + shift
         for k in range(power - 1, 0, -1):
             total -= numerator * exponential / (k * base**k)
-            numerator *= line[0] / k
+            numerator *= rate / k
         if shift == 0:  # what log(u) is infinite by, another term may cancel, as in (1 - exp(-u))/u
-            total += numerator * sp.exp(line[1]) * (sp.log(u) - Ein(-line[0] * u))
+            total += numerator * sp.exp(middle) * (sp.log(u) - Ein(-rate * u))
             continue
-        total -= numerator * sp.exp(sp.expand(line[1] - line[0] * shift)) * sp.expint(1, -line[0] * base)
+        total -= numerator * sp.exp(sp.expand(middle - rate * shift)) * sp.expint(1, -rate * base)
     return total
 
 

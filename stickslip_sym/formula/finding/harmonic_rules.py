@@ -368,10 +368,11 @@ def average_of_pieces(pieces: list[Expr], ends: list[Expr], u: Expr, V: Expr) ->
     """Return H of a term that is a polynomial in u, and in 1/u but on the first piece, i from end i to i + 1."""
     theta = sp.Dummy("theta", real=True)
     t = sp.Dummy("t")
-    primitives = [sp.Integer(0)]
+    zero = sp.Integer(0)
+    primitives = [zero]
     for number, piece in enumerate(pieces):
-        polynomial = sp.Integer(0)
-        inverse = sp.Integer(0)
+        polynomial = zero
+        inverse = zero
         for term in sp.Add.make_args(sp.expand(piece)):
             if term.is_polynomial(u):
                 polynomial += term
@@ -387,8 +388,8 @@ def average_of_pieces(pieces: list[Expr], ends: list[Expr], u: Expr, V: Expr) ->
         primitives.append(
             mean * theta + sp.Add(*[w * sp.sin(k * theta) / k for k, w in enumerate(weights, 1)]) + of_inverse
         )
-    total = sp.Integer(0)
-    for end, (before, after) in zip(ends, pairwise([*primitives, sp.Integer(0)]), strict=True):
+    total = zero
+    for end, (before, after) in zip(ends, pairwise([*primitives, zero]), strict=True):
         jump = sp.expand(before - after)
         angle = sp.pi
         if end != 2 * V:

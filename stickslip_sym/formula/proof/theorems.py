@@ -42,15 +42,16 @@ class ChangeOfVariable:
 
     def __call__(self, expr: Expr) -> Expr:
         """Apply integration by substitution; a linear image is one to one and smooth."""
-        slope = sp.diff(self.image, self.new)
-        if slope.has(self.new) or not slope.is_nonzero:
-            raise ValueError(f"{self.old} = {self.image} is not linear in {self.new}")
+        new = self.new
+        slope = sp.diff(self.image, new)
+        if slope.has(new) or not slope.is_nonzero:
+            raise ValueError(f"{self.old} = {self.image} is not linear in {new}")
 
         def substitute(integrand: Expr, *limits: Expr) -> Expr:
-            if any(part.has(self.new) for part in (integrand, *limits)):
-                raise ValueError(f"{self.new} already means something in {integrand}")
-            low, high = (sp.expand((limit - self.image.subs(self.new, 0)) / slope) for limit in limits)
-            return sp.Integral(integrand.subs(self.old, self.image) * slope, (self.new, low, high))
+            if any(part.has(new) for part in (integrand, *limits)):
+                raise ValueError(f"{new} already means something in {integrand}")
+            low, high = (sp.expand((limit - self.image.subs(new, 0)) / slope) for limit in limits)
+            return sp.Integral(integrand.subs(self.old, self.image) * slope, (new, low, high))
 
         return _replace_integrals(self.old, expr, substitute)
 

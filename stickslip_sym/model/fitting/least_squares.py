@@ -62,15 +62,14 @@ class Problem:
         known = tuple(name for name in used if name in law.values)
         free, bound = ([used[name].symbol for name in names] for names in (self.names, known))
         slopes = [sp.diff(law.expr, symbol) for symbol in free]
-        self._value, self._derivatives = (
-            function_of([symbols.v, *free, *bound], rows, "numpy") for rows in ([law.expr], slopes)
-        )
+        arguments = [symbols.v, *free, *bound]
+        self._value, self._derivatives = (function_of(arguments, rows, "numpy") for rows in ([law.expr], slopes))
         linear: list[Expr] = []  # jointly: each with those before it
         for symbol, slope in zip(free, slopes, strict=True):
             if slope != 0 and not slope.has(symbol, *linear):  # it is 0 for the place of a jump
                 linear.append(symbol)
         basis = [slope for symbol, slope in zip(free, slopes, strict=True) if symbol in linear]
-        self._basis = function_of([symbols.v, *free, *bound], basis, "numpy")
+        self._basis = function_of(arguments, basis, "numpy")
         self.known = [float(law.values[name]) for name in known]
         self.positive = np.array([used[name].positive for name in self.names], dtype=bool)
         self.linear = np.array([symbol in linear for symbol in free], dtype=bool)

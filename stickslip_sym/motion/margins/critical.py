@@ -820,15 +820,16 @@ class _Search:
             sensitivity = {name: float(np.divide(-change, own)) for name, change in by.items()}
         step = -sensitivity["c"] * (value - self.c)
         # Where it turns at a distance d, a smooth threshold has the curvature 1/d over its slope.
-        near = abs(step) < max(_FLAT * abs(x), _SMALL_NEWTON_STEP * width)
+        size = abs(x)
+        near = abs(step) < max(_FLAT * size, _SMALL_NEWTON_STEP * width)
         error = None
         if self.criterion is None:
             off = float((computed.relative_error * points.error_base(computed.value))[0])
-            curved = step**2 / (min(width, abs(x)) or abs(x))
-            error = (abs(sensitivity["c"]) * off + curved) / abs(x) + ROUNDING
+            curved = step**2 / (min(width, size) or size)
+            error = (abs(sensitivity["c"]) * off + curved) / size + ROUNDING
             if not near:
                 error += abs(step / x)
-        moved = near or (self.criterion is None and abs(step) < abs(x) / 2)
+        moved = near or (self.criterion is None and abs(step) < size / 2)
         return Critical(self.of, x + step if moved else x, self.unit, method.name, error, sensitivity)
 
     def _proved(self, value: Critical) -> Critical:
@@ -859,18 +860,19 @@ def _rough_ratio(system: NondimensionalOscillator, fast: bool) -> tuple[float, f
 
 def _polished(function: Callable[[float], float], root: Root) -> float | None:
     """Return where a function changes its sign about a root, up to where it turns; None if it does not."""
-    step = _FLAT * max(1.0, abs(root.x))
+    x = root.x
+    step = _FLAT * max(1.0, abs(x))
     if root.low == root.high:
-        if function(root.x - step) * function(root.x + step) < 0:
-            return root.x
+        if function(x - step) * function(x + step) < 0:
+            return x
         return None
     while True:
-        low = max(root.low, root.x - step)
-        high = min(root.high, root.x + step)
+        low = max(root.low, x - step)
+        high = min(root.high, x + step)
         below = function(low)
         above = function(high)
         if below != above and below * above <= 0:
-            tolerance = SIGNS * max(1.0, abs(root.x))
+            tolerance = SIGNS * max(1.0, abs(x))
             return float(brentq(function, low, high, xtol=tolerance))
         if (low, high) == (root.low, root.high):
             return None

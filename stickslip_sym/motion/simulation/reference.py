@@ -69,26 +69,27 @@ def simulate_by_solve_ivp(
     """Return the motion as `simulate` does: slip by `solve_ivp` with its `options`, stick in closed form."""
     bound = law.bound
     hold = bound.static * osc.N
-    x_P = (hold - osc.c * osc.V) / osc.k
+    V = osc.V
+    x_P = (hold - osc.c * V) / osc.k
     t = 0.0
     x = x0
     v = v0
     stretches = list[Stretch]()
     while t < t_end:
-        pull = osc.c * osc.V + osc.k * x
-        if v == osc.V and abs(pull) < hold * (1 - SAME):
-            end = min(t_end, t + (x_P - x) / osc.V)
-            stretches.append(Stretch(Phase.STICK, np.array([[t, end], [x, x + osc.V * (end - t)], [v, v]])))
+        pull = osc.c * V + osc.k * x
+        if v == V and abs(pull) < hold * (1 - SAME):
+            end = min(t_end, t + (x_P - x) / V)
+            stretches.append(Stretch(Phase.STICK, np.array([[t, end], [x, x + V * (end - t)], [v, v]])))
         else:
-            if v == osc.V:
+            if v == V:
                 side = math.copysign(1, pull)
             else:
-                side = math.copysign(1, osc.V - v)
+                side = math.copysign(1, V - v)
             phase = Phase.SLIP_BACK if side > 0 else Phase.SLIP_FORWARD
             solution = slip_by_solve_ivp(bound, osc, t, x, v, int(side), t_end, rtol, **options)
             samples = np.array([solution.t, *solution.y])
             if solution.t_events[0].size:
-                samples[2, -1] = osc.V
+                samples[2, -1] = V
             stretches.append(Stretch(phase, samples, solution.sol))
         t, x, v = stretches[-1].samples[:, -1].tolist()
     return Trajectory(osc, rtol, tuple(stretches), Outcome.FINISHED)

@@ -237,12 +237,13 @@ def evaluate(
 
     - `prove`: whether to end with a proof of what has a finite error.
     """
+    count = len(points)
     if method is not None:
         computed = method.compute(points, min(max(rtol, method.tightest), method.loosest))
-        return computed, np.full(len(points), method.name, dtype=object)
-    value = np.full(len(points), np.nan)
-    error = np.full(len(points), np.inf)
-    names = np.full(len(points), "", dtype=object)  # texts of one width would cut longer ones
+        return computed, np.full(count, method.name, dtype=object)
+    value = np.full(count, np.nan)
+    error = np.full(count, np.inf)
+    names = np.full(count, "", dtype=object)  # texts of one width would cut longer ones
     refusals: dict[int, StickSlipError] = {}
     theorems: dict[int, Theorem] = {}
     best = Computed(value, error, refusals, theorems)
@@ -251,7 +252,7 @@ def evaluate(
         if not rows.size:
             continue
         try:
-            computed, _ = evaluate(points if rows.size == len(points) else points.rows(rows), chosen, rtol)
+            computed, _ = evaluate(points if rows.size == count else points.rows(rows), chosen, rtol)
         except OutOfTime as stop:
             row = int(rows[0])
             raise OutOfTime(f"{stop}{_best_value(points, best, row) if error[row] < 1 else ''}") from None
