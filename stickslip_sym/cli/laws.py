@@ -28,7 +28,10 @@ def run(given: Given) -> None:
     name = given["law"]
     plot = None if given["law"] is None else given["plot"]
     given.reject_unused()
-    laws = list(ss.laws.values()) if name is None else [ss.laws.find(name)]
+    if name is None:
+        laws = list(ss.laws.values())
+    else:
+        laws = [ss.laws.find(name)]
     wanted = []
     if name is not None:
         wanted = [(laws[0], criterion) for criterion in criteria_of("all")]

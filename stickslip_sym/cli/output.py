@@ -61,7 +61,10 @@ def show_progress(what: str) -> Iterator[None]:
 
 
 def _progress_text(step: StepOfWork) -> str:
-    words = step.what if len(step.what) <= _MOST_STEP_CHARACTERS else f"{step.what[:_MOST_STEP_CHARACTERS]}..."
+    if len(step.what) <= _MOST_STEP_CHARACTERS:
+        words = step.what
+    else:
+        words = f"{step.what[:_MOST_STEP_CHARACTERS]}..."
     if step.total > 1:
         return f"{words} ({step.done} of {step.total})"
     return words

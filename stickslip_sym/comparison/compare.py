@@ -82,7 +82,9 @@ class Row(DataResult):
     def text(self, column: str, form: str = ".1e") -> str:
         """Return an attribute, or what else was measured, as a cell of a table."""
         if self.value is None:
-            return f"none: {self.reason}" if column == "value" else ""
+            if column == "value":
+                return f"none: {self.reason}"
+            return ""
         value = {**vars(self), **self.further}.get(column)
         if value is None:
             return "" if column == "status" else "unknown"
@@ -90,7 +92,9 @@ class Row(DataResult):
             return duration(self.seconds)
         if column == "relative_error" and self.threshold is not None:
             return self.threshold.accuracy(form=form).removeprefix("relative error ")
-        return format(value, form) if isinstance(value, float) else str(value)
+        if isinstance(value, float):
+            return format(value, form)
+        return str(value)
 
 
 def measured(

@@ -179,7 +179,9 @@ class Decision(DataResult):
         threshold = f"the threshold of {value_text(self.value, self.standard_error)} kg/s"
         if self.averaged is not None and len(self.averaged.rows) > 1:
             threshold += f", averaged over {len(self.averaged.rows)} laws"
-        more = f" ({', '.join(remarks)})" if remarks else ""
+        more = ""
+        if remarks:
+            more = f" ({', '.join(remarks)})"
         unmeasured = f"; {self._of_unmeasured}" if self._of_unmeasured else ""
         return f"c = {value_text(self.c, self.c_error)} kg/s is {apart}{side} {threshold}{more}{unmeasured}"
 
@@ -237,4 +239,6 @@ def chance_in_words(chance: float, least: float) -> str:
 
 def value_text(value: float, error: float | None) -> str:
     """Return a value with its standard error as text, or to four digits if it has none."""
-    return text_with_error(value, error) if error else f"{value:.4g}"
+    if error:
+        return text_with_error(value, error)
+    return f"{value:.4g}"

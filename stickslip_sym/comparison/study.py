@@ -380,7 +380,10 @@ def study(
     elif isinstance(law, Fit):
         fit = law
         fits = Fits([law], law.measured, {})
-    friction = fit.law.bind(**fit.uncertain) if fit is not None else as_law(law)
+    if fit is not None:
+        friction = fit.law.bind(**fit.uncertain)
+    else:
+        friction = as_law(law)
     friction.require_values()
     carried = carried_by(osc, errors or {})
     friction.require_speed(osc.V)
@@ -520,7 +523,9 @@ def _margins(subject: _Subject) -> Margins:
         found = margins(law, osc, errors=carried, **how)
     else:
         found = margins_of(subject.threshold, osc, carried.get("c"), **how)
-    return found if subject.fits is None else replace(found, probability=None)
+    if subject.fits is None:
+        return found
+    return replace(found, probability=None)
 
 
 def _sensitivity(subject: _Subject) -> Mapping[str, float] | None:

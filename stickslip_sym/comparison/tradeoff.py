@@ -299,7 +299,10 @@ def _threshold(law: FrictionLaw, point: Mapping[str, float]) -> Trade:
     def by(name: str, V: float = point["V"]) -> Threshold[float]:
         """Return the threshold by a method; slope averages do not compute their errors."""
         method = methods()[name]
-        numbers = {**point, "V": V} if method.oscillator else {"V": V, "N": point["N"]}
+        if method.oscillator:
+            numbers = {**point, "V": V}
+        else:
+            numbers = {"V": V, "N": point["N"]}
         return pure_slip_damping(law, **numbers, method=method, rtol=_TIGHTEST_ERROR if method.converges else 1.0)
 
     right = by("orbit").value
@@ -488,7 +491,10 @@ def pure_slip_by_bisection(law: FrictionLaw, osc: Oscillator, high: float, rtol:
         raise NoThreshold(f"no damping from 0 to {high:.3g} kg/s separates slips that come back from others")
     while high - low > rtol * high:
         middle = (low + high) / 2
-        low, high = (middle, high) if comes_back(middle) else (low, middle)
+        if comes_back(middle):
+            low = middle
+        else:
+            high = middle
     return (low + high) / 2
 
 

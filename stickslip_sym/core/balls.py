@@ -275,7 +275,9 @@ def place_at(place: Expr, point: Mapping[Expr, Expr]) -> Expr:
     As of Max(q - a v, 0), a >= 0: the kink q/a moves beyond all speeds.
     """
     value = fold(place, _rationals(point, endless=True))
-    return number_at(place, point) if value is None else value
+    if value is None:
+        return number_at(place, point)
+    return value
 
 
 def _rationals(point: Mapping[Expr, Expr], *, endless: bool = False) -> Callable[[Expr, list[Expr]], Expr]:

@@ -16,4 +16,6 @@ def printable(text: str, *, lines: bool = False) -> str:
     - `lines`: whether it may have several, and tabs; otherwise it is one.
     """
     text = _STEERING.sub("\N{REPLACEMENT CHARACTER}", text)
-    return text if lines else _BREAKS.sub(" ", text)
+    if lines:
+        return text
+    return _BREAKS.sub(" ", text)

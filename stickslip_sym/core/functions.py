@@ -96,7 +96,10 @@ def power(base: Expr, exponent: Expr) -> Expr:
     harmless = not exponent.is_Rational or exponent.is_Integer or number in (0, 1) or number.is_negative
     if harmless or bits(number) * exponent.q <= _MOST_ROOT_BITS:
         return base**exponent
-    of_number = NumberPower(number, exponent) if exponent > 0 else NumberPower(1 / number, -exponent)
+    if exponent > 0:
+        of_number = NumberPower(number, exponent)
+    else:
+        of_number = NumberPower(1 / number, -exponent)
     return of_number * rest**exponent
 
 
@@ -141,7 +144,9 @@ def _difference_of_cosh(x: Expr, a: Expr, step: Expr) -> Expr:
 def _where_it_converges(upper: Expr, lower: Expr, z: Expr) -> Sequence[Expr] | None:
     if len(upper) > len(lower) + 1 or any(b.is_integer and b.is_nonpositive for b in lower):
         return None
-    return () if len(upper) <= len(lower) else (1 - z,)
+    if len(upper) <= len(lower):
+        return ()
+    return (1 - z,)
 
 
 def _bessel_by_hypergeometric(sign: int) -> Callable[[Expr, Expr], Expr]:
@@ -166,7 +171,10 @@ def _iterated_integral_of_tanh(x: Expr, n: int, j: int) -> Expr:
     if n > 1:
         return _iterated_integral_of_tanh(x, n - 2, j) - _iterated_integral_of_tanh(x, n - 1, j - 1) / (n - 1)
     z = -sp.exp(-2 * x)
-    last = -sp.log(1 - z) if j == 1 else polylog(j, z)
+    if j == 1:
+        last = -sp.log(1 - z)
+    else:
+        last = polylog(j, z)
     return x**j / sp.factorial(j) + 2 * sp.Rational(-1, 2) ** j * last
 
 

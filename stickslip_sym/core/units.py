@@ -175,7 +175,9 @@ def _expected(name: str, unit: str | None) -> str | None:
     """Return the unit of a quantity or an argument by its name, unless one is given; None where none is known."""
     if unit is not None:
         return unit
-    return QUANTITIES[name].unit if name in QUANTITIES else _ARGUMENTS.get(name)
+    if name in QUANTITIES:
+        return QUANTITIES[name].unit
+    return _ARGUMENTS.get(name)
 
 
 def share_unit(last: str, first: str) -> str:

@@ -215,4 +215,6 @@ def find(criterion: CriterionName | Criterion) -> Criterion:
     InputError
         If there is none of that name.
     """
-    return criterion if isinstance(criterion, Criterion) else lookup("criterion", criterion, catalogue)
+    if isinstance(criterion, Criterion):
+        return criterion
+    return lookup("criterion", criterion, catalogue)

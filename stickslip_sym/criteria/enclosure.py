@@ -326,7 +326,10 @@ def average_enclosure(
             start = start.min(places[0].lower() / 2)
         # The variable tells the start from its end, where it is 1 + s and the start is far lower.
         with working_precision(ctx.prec + max(0, math.ceil(float((reach / start).log()) / math.log(2)))):
-            share = start / speed if criterion.is_polynomial else (start / reach).sqrt().asin()
+            if criterion.is_polynomial:
+                share = start / speed
+            else:
+                share = (start / reach).sqrt().asin()
             most = abs(scale.real) * bound_below(vanished, point, start) * share * _kernel_bound(criterion)
             part = ball_function(vanished, symbols.v, point)
             # The absolute tolerance is that of values that may be as small as here at the end.
@@ -352,7 +355,9 @@ def _kernel_bound(criterion: Criterion) -> arb:
 
 def _real_ball(value: acb) -> acb:
     """Return a ball that may hold a real number; what cannot is no coefficient, and no ball."""
-    return value if value.imag.contains(0) else acb(arb.nan())
+    if value.imag.contains(0):
+        return value
+    return acb(arb.nan())
 
 
 def smooth_pieces(mu: Expr, point: Mapping[Expr, Expr | acb], ends: Sequence[Expr]) -> list[Expr]:

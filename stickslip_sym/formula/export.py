@@ -178,7 +178,9 @@ def export_latex(
         mark = next(label for label in numbered if label not in marks)
         marks.add(mark)
         names = notation_of([*every, *law.parameters], given)
-        heading = f"The law \\texttt{{{prose_latex(law.name)}}}" if law.name else "The law"
+        heading = "The law"
+        if law.name:
+            heading = f"The law \\texttt{{{prose_latex(law.name)}}}"
         chapter = [] if fragment else [f"\\section{{{heading}}}"]
         chapter += _describe_law(law, mark, names)
         for form in listed:

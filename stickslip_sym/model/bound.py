@@ -120,7 +120,9 @@ class BoundLaw:
     @property
     def reach(self) -> float:
         """The same as a float, infinite where there is no bound."""
-        return math.inf if self.end is None else float(self.end)
+        if self.end is None:
+            return math.inf
+        return float(self.end)
 
     # -- where mu is smooth --------------------------------------------------------------------------
 

@@ -514,7 +514,9 @@ def _first(segment: _Segment) -> tuple[FloatArray, float]:
 def _is_sure_towards_rest(segment: _Segment, low: float, high: float, steepest: float) -> bool:
     """Whether balls show that abs(mu') is at most so steep down to the least speed; mu may be singular at 0."""
     octaves = math.log2(high / low)
-    halvings = math.ceil(math.log2(octaves)) if octaves > 1 else 0  # in logarithms, down to octaves
+    halvings = 0
+    if octaves > 1:
+        halvings = math.ceil(math.log2(octaves))  # in logarithms, down to octaves
 
     def holds(low: float, high: float, halved: int) -> bool:
         return segment.is_sure(low, high, steepest, 0 if halved < halvings else _CUTS)

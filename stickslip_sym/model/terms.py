@@ -420,7 +420,9 @@ def _positive_root(value: Expr, index: Expr) -> Expr:
 
 
 def _absolute_value(value: Expr) -> Expr:
-    return value if value.is_positive else sp.Abs(value)
+    if value.is_positive:
+        return value
+    return sp.Abs(value)
 
 
 def _monomials(terms: Sequence[Expr], v: Expr) -> Iterator[tuple[Expr, Expr]]:

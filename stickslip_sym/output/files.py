@@ -42,7 +42,9 @@ def read_bytes(path: Path, most: int) -> bytes:
     try:
         with open(path, "rb", opener=_open_without_waiting) as stream:
             is_regular = stat.S_ISREG(os.fstat(stream.fileno()).st_mode)
-            content = stream.read(most + 1) if is_regular else b""
+            content = b""
+            if is_regular:
+                content = stream.read(most + 1)
     except OSError as error:
         raise InputError(f"cannot read {name}: {error.strerror or error}") from None
     except ValueError as error:  # a name may hold a null byte
@@ -62,7 +64,10 @@ def _open_without_waiting(path: str, flags: int) -> int:
 def _write_stream(path: Path, content: bytes) -> None:
     """Write to a pipe, a device or this process's own output."""
     own = _OWN.get(str(path))
-    number = os.dup(own) if own is not None else _open_without_waiting(str(path), os.O_WRONLY)
+    if own is not None:
+        number = os.dup(own)
+    else:
+        number = _open_without_waiting(str(path), os.O_WRONLY)
     with open(number, "wb") as stream:
         if own is None and hasattr(os, "O_NONBLOCK"):
             os.set_blocking(stream.fileno(), True)  # a reader is there, and may be slow

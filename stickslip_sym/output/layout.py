@@ -258,7 +258,9 @@ def _operation(pieces: Sequence[tuple[str, bool]]) -> tuple[str, int]:
 def _is_operand(pieces: Sequence[tuple[str, bool]], position: int) -> bool:
     """Whether a piece is a formula, or a number that is no part of a word or of a power."""
     content, is_formula = pieces[position]
-    following = pieces[position + 1][0] if position + 1 < len(pieces) else " "
+    following = " "
+    if position + 1 < len(pieces):
+        following = pieces[position + 1][0]
     return is_formula or (content.replace(".", "").isdigit() and following in (" ", ",", ";", ".", ")"))
 
 

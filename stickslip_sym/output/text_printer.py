@@ -67,7 +67,9 @@ class _Text(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
 
     def _print_Mul(self, expr: Expr) -> str:
         number, rest = expr.as_coeff_Mul()
-        written = "" if number.q == 1 else decimal(number, least=self._least)
+        written = ""
+        if number.q != 1:
+            written = decimal(number, least=self._least)
         over = not written and is_over_decimal(number)
         if not (over or written):
             return str(super()._print_Mul(expr))

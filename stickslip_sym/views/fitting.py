@@ -43,7 +43,9 @@ def parts_of_fits(fits: Fits) -> list[str | HeadedRows]:
     rows = []
     least = min(fit.aicc for fit in fits)
     for fit in fits.likely:
-        above = f"{fit.aicc - least:.1f}" if math.isfinite(fit.aicc) else "-"
+        above = "-"
+        if math.isfinite(fit.aicc):
+            above = f"{fit.aicc - least:.1f}"
         rows.append([fit.name, above, f"{fit.weight:.3f}", f"{fit.sigma:.3g}", fit.values_in_words])
     parts = preview_of_measurements(fits.measured)
     parts.append((["law", "AICc above", "weight", "sigma", "values"], rows))

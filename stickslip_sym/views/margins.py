@@ -48,5 +48,7 @@ def parts_of_margins(margins: Margins) -> list[str | HeadedRows]:
 
 def _row_of_margin(margin: Margin) -> list[str]:
     ends = ["" if end is None else f"{end.value:.6g}" for end in (margin.below, margin.above)]
-    change = f"{100 * margin.change:+.3g} %" if math.isfinite(margin.change) else "none"
+    change = "none"
+    if math.isfinite(margin.change):
+        change = f"{100 * margin.change:+.3g} %"
     return [margin.name, f"{margin.value:.6g}", *ends, change]

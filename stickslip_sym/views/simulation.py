@@ -48,7 +48,9 @@ def trajectory_as_html(motion: Trajectory) -> str:
     since = float(motion.t[max(motion.t.size - _STEPS_SHOWN, 0)])
     drawn = picture(lambda: motion.plot(since=since), motion.summary)
     is_cut = bool(drawn) and since != motion.t[0]
-    cut = [f"The picture begins at t = {since:.6g} s."] if is_cut else []
+    cut = []
+    if is_cut:
+        cut = [f"The picture begins at t = {since:.6g} s."]
     rows = [_row_of_event(event) for event in markup.shortened(motion.events)]
     table = markup.html_table(["t in s", "x in m", "v in m/s", "begins"], rows)
     return markup.block(repr(motion), drawn, *cut, table)

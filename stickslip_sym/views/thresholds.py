@@ -33,7 +33,9 @@ def _values_in_words(threshold: Threshold[Any]) -> str:
     low = np.min(threshold.value)
     high = np.max(threshold.value)
     spread = threshold.known_standard_error
-    row = 0 if threshold.relative_error is None else int(np.argmax(threshold.relative_error))
+    row = 0
+    if threshold.relative_error is not None:
+        row = int(np.argmax(threshold.relative_error))
     worst = threshold.accuracy(tuple(map(int, np.unravel_index(row, threshold.points.shape))))
     basis = f"{', '.join(np.unique(threshold.method))}, {worst}, {threshold.status}"
     if np.ndim(threshold.value):

@@ -301,7 +301,9 @@ def slope_over_angle(numerator: Expr, base: Expr, power: int) -> tuple[Expr, Exp
     coefficients of W, a polynomial over base^(power - 1) and one beside it, solve linear equations.
     """
     square = v * (2 * V - v) / V
-    degree = int(sp.degree(base, v)) if base.has(v) else 0
+    degree = 0
+    if base.has(v):
+        degree = int(sp.degree(base, v))
     above = sp.expand(square / V * numerator)
     surplus = 0
     if above != 0:

@@ -390,7 +390,9 @@ class Integral(Script):
         for label in (self._rows_of(term)[0].label for term in shares):
             joined = f"(f_equal2 Rplus {joined} share{label})" if joined else f"share{label}"
         constants = [f"I{profile.label}" for profile in self.profiles if profile.expr == 1]
-        start = f"unfold {', '.join(constants)}. " if constants else ""
+        start = ""
+        if constants:
+            start = f"unfold {', '.join(constants)}. "
         return f"{start}refine (eq_trans {joined} _). field; positive."
 
     def _bounds(self, c: Expr, terms: Sequence[LawTerm]) -> Iterator[str]:

@@ -86,7 +86,9 @@ class CoqPrinter(Printer):  # type: ignore[misc]  # SymPy is untyped
         return self.names[expr]
 
     def _print_Integer(self, expr: Expr) -> str:
-        return str(expr) if expr >= 0 else f"- {-expr}"
+        if expr >= 0:
+            return str(expr)
+        return f"- {-expr}"
 
     def _print_Rational(self, expr: Expr) -> str:
         if expr.p < 0:
@@ -160,8 +162,13 @@ class CoqPrinter(Printer):  # type: ignore[misc]  # SymPy is untyped
             else:
                 above.append(self._operand(factor))
         over = " * ".join(above) or "1"
-        under = below[0] if len(below) == 1 else f"({' * '.join(below)})"
-        return f"{over} / {under}" if below else over
+        if len(below) == 1:
+            under = below[0]
+        else:
+            under = f"({' * '.join(below)})"
+        if below:
+            return f"{over} / {under}"
+        return over
 
     def _print_Pow(self, expr: Expr) -> str:
         base, exponent = expr.args

@@ -174,7 +174,10 @@ def _write_by_roots(expr: Expr) -> Expr:
 
     def root(inside: Expr) -> Expr:
         radicand, divisor = square_free(inside)
-        parts = sp.Mul.make_args(radicand) if is_monomial(radicand) else two_factors(radicand) or [radicand]
+        if is_monomial(radicand):
+            parts = sp.Mul.make_args(radicand)
+        else:
+            parts = two_factors(radicand) or [radicand]
         return sp.Mul(*[call("sqrt", part) for part in parts]) / divisor
 
     return expr.replace(sp.Function("sqrt"), root)

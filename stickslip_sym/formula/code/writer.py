@@ -152,7 +152,9 @@ def _number(value: float, language: Language) -> str:
     """Return a number, exact when it is read back."""
     if math.isnan(value):
         return language.nan
-    return language.infinity if value == math.inf else repr(float(value))
+    if value == math.inf:
+        return language.infinity
+    return repr(float(value))
 
 
 def _polynomial(coefficients: tuple[float, ...], language: Language) -> str:
@@ -160,7 +162,10 @@ def _polynomial(coefficients: tuple[float, ...], language: Language) -> str:
     *rest, last = (_number(c, language) for c in coefficients)
     text = f"{last}*z" if rest else f"{last} + 0.0*z"
     for i, coefficient in enumerate(reversed(rest)):
-        text = f"{coefficient} + {text}" if i == len(rest) - 1 else f"({coefficient} + {text})*z"
+        if i == len(rest) - 1:
+            text = f"{coefficient} + {text}"
+        else:
+            text = f"({coefficient} + {text})*z"
     return text
 
 
@@ -304,7 +309,9 @@ class _Writer:
             plain = {1.0: "r", 2.0: "r*r", -1.0: "1.0/r", -2.0: "1.0/(r*r)"}
             several = any(len(coefficients) > 1 for _, coefficients in branch.parts)
             power = language.power.format("r", _number(branch.variable, language))
-            z = plain.get(branch.variable, power) if several else "r"
+            z = "r"
+            if several:
+                z = plain.get(branch.variable, power)
             g = " + ".join(
                 f"({_polynomial(coefficients, language)})"
                 + ("" if function is None else f"*({expression_text(function, {symbols.V: 'r'}, language)})")

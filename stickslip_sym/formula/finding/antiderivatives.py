@@ -80,7 +80,9 @@ def _integrate_repeatedly(polynomial: Expr, node: Expr, line: list[Expr], u: Exp
 def _subtract_integral(product: Expr, rest: Expr, u: Expr) -> Expr | None:
     """Return a product less the integral of what integration by parts leaves, if that has one."""
     left = antiderivative(rest, sp.Integer(1), u)
-    return None if left is None else product - left[1]
+    if left is None:
+        return None
+    return product - left[1]
 
 
 def _product_by_parts(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
@@ -97,7 +99,10 @@ def _product_by_parts(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
         return primitive.subs(x, function.args[0])
     whole = _integral_of_polynomial(polynomial, u)
     slope = sp.diff(function, u)
-    factor = sp.cancel(whole * slope) if slope.is_rational_function(u) else whole * slope
+    if slope.is_rational_function(u):
+        factor = sp.cancel(whole * slope)
+    else:
+        factor = whole * slope
     return _subtract_integral(whole * node, power * factor * function ** (power - 1), u)
 
 
@@ -283,7 +288,10 @@ def _sine_over_speed(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
         return None
     powers = sp.Poly(polynomial, u)
     higher = sp.cancel((powers - powers.nth(0)).as_expr() / u)
-    left = _integrate_repeatedly(higher, sine, line, u) if higher != 0 else sp.Integer(0)
+    if higher != 0:
+        left = _integrate_repeatedly(higher, sine, line, u)
+    else:
+        left = sp.Integer(0)
     if left is None:
         return None
     return powers.nth(0) * sp.Si(sine.args[0]) + left
@@ -388,7 +396,9 @@ def _exponential_of_inverse(polynomial: Expr, node: Expr, u: Expr) -> Expr | Non
         return None
     x = a / u
     total = sp.Integer(0)
-    top = int(sp.degree(polynomial, u)) if polynomial.has(u) else 0
+    top = 0
+    if polynomial.has(u):
+        top = int(sp.degree(polynomial, u))
     integral = sp.expint(1, x)
     for n in range(top + 1):
         integral = (sp.exp(-x) - x * integral) / (n + 1)
@@ -491,7 +501,7 @@ def _exponential_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr |
     line = argument_coefficients(exponential, sp.exp, u)
     if parts is None or len(line) != 2 or not line[0].is_negative or any(len(base) > 2 for _, base, _ in parts[1]):
         return None
-    rate, middle = line
+    rate, constant = line
     total = _integrate_repeatedly(parts[0], exponential, line, u) or sp.Integer(0)
     for numerator, (_, shift), power in parts[1]:
         base = u + shift
@@ -499,9 +509,9 @@ def _exponential_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr |
             total -= numerator * exponential / (k * base**k)
             numerator *= rate / k
         if shift == 0:  # what log(u) is infinite by, another term may cancel, as in (1 - exp(-u))/u
-            total += numerator * sp.exp(middle) * (sp.log(u) - Ein(-rate * u))
+            total += numerator * sp.exp(constant) * (sp.log(u) - Ein(-rate * u))
             continue
-        total -= numerator * sp.exp(sp.expand(middle - rate * shift)) * sp.expint(1, -rate * base)
+        total -= numerator * sp.exp(sp.expand(constant - rate * shift)) * sp.expint(1, -rate * base)
     return total
 
 

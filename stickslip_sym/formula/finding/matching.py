@@ -35,7 +35,9 @@ def first_rule(rules: Sequence[Rule], rest: Expr, kernel: Expr, u: Expr, *more: 
     factors.sort(key=lambda factor: str(factor.func))
     functions = [_function_of_power(factor) for factor in factors]
     for name, kinds, apply, degree in rules:
-        given = [sp.Mul(*factors)] if kinds is None else factors
+        given = factors
+        if kinds is None:
+            given = [sp.Mul(*factors)]
         if kinds is not None and not (len(kinds) == len(factors) and all(map(isinstance, functions, kinds))):
             continue
         if degree is not None:
@@ -65,7 +67,9 @@ def coefficients(expr: Expr, u: Expr) -> list[Expr]:
 
 def argument_coefficients(node: Expr, kinds: type[Expr] | tuple[type[Expr], ...], u: Expr) -> list[Expr]:
     """Return `coefficients` of the argument of a function of some kinds; none of anything else."""
-    return coefficients(node.args[0], u) if isinstance(node, kinds) else []
+    if isinstance(node, kinds):
+        return coefficients(node.args[0], u)
+    return []
 
 
 def as_damped_wave(factors: Expr, u: Expr) -> tuple[Expr, Expr, list[Expr], list[Expr]] | None:

@@ -99,7 +99,9 @@ def carried_out(expr: Expr) -> Expr | str:
     """Carry out integrals, or say how that ended."""
     try:
         done = expr.doit()
-        return sp.hyperexpand(done) if done.has(sp.meijerg) else done
+        if done.has(sp.meijerg):
+            return sp.hyperexpand(done)
+        return done
     except _TooLong:
         return "found nothing in the steps that it is granted"
     except MemoryError:

@@ -93,7 +93,9 @@ class _Letters:
     def of(self, node: Expr, *, within: bool = False) -> Expr:
         """Return a node in letters; `within` a function or a power, sums of parameters get one too."""
         if node.is_Rational:
-            return self._of_number(node, "coefficient") if _size_of_rational(node) > self._largest else node
+            if _size_of_rational(node) > self._largest:
+                return self._of_number(node, "coefficient")
+            return node
         if isinstance(node, NumberPower) or (node.is_Pow and node.base.is_Rational):
             return self._of_power_of_number(*node.args)
         if not node.args:
@@ -113,7 +115,9 @@ class _Letters:
     def _of_exponent(self, exponent: Expr) -> Expr:
         if not exponent.is_Rational:
             return self.of(exponent)
-        return exponent if exponent.q <= _HIGHEST_ROOT else self._of_number(exponent, "exponent")
+        if exponent.q <= _HIGHEST_ROOT:
+            return exponent
+        return self._of_number(exponent, "exponent")
 
     def _of_power_of_number(self, base: Expr, exponent: Expr) -> Expr:
         raised = self._of_exponent(exponent)

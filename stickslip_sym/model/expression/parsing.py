@@ -486,7 +486,9 @@ class _Parser:
                 self.fail(token, f"there is no function {name!r}; write {_INSTEAD[name]}")
             hint = suggestion(name, [*self.known, *_ALIASES])
             known = ", ".join(self.known)
-            product = "" if hint else f"; a product is written {name[:40]}*(...)"
+            product = ""
+            if not hint:
+                product = f"; a product is written {name[:40]}*(...)"
             self.fail(token, f"there is no function {name[:40]!r}{hint}{product}; known: {known}")
         arguments = [] if self.next.text == ")" else [self.expression()]
         while self.take(","):

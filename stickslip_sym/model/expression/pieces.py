@@ -66,7 +66,10 @@ def _smooth(cases: Cases) -> Cases:
         for branch, inner in _smooth_cases(piece):
             ends = [one for one in (end, inner) if one is not None]
             place = reduce(smaller, ends) if ends else None
-            before = smooth[-1][1] if smooth else sp.S.Zero
+            if smooth:
+                before = smooth[-1][1]
+            else:
+                before = sp.S.Zero
             is_empty = before is None or (place is not None and (place - before).is_nonpositive)
             if not is_empty:
                 smooth.append((branch, place))

@@ -199,7 +199,9 @@ class Fit(_Report, DataResult, by_identity=True):
         """Return how many variances the sum of squares, least over the other values, has risen."""
         others = np.array([p for key, p in self.values.items() if key != name])
         minimum = Problem(self.free_law.bind(**{name: value}), self.measured).minimum(others)
-        rise = math.inf if minimum is None else minimum.chi_squared - self.chi_squared
+        rise = math.inf
+        if minimum is not None:
+            rise = minimum.chi_squared - self.chi_squared
         if rise > 0:
             return min(rise / max(self.variance, 1e-300), 1e300)
         return 0.0

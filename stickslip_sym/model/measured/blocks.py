@@ -70,7 +70,10 @@ def varying(names: Sequence[str], cells: Sequence[Sequence[str]]) -> tuple[str, 
         values = _numbers([row[i] for row in cells if i < len(row)])
         if len(values) and np.ptp(values) > _VARIES * np.max(np.abs(values)):
             meanings = HeaderColumn.read(name).meanings
-            place = _FIRST.index(meanings[0]) if meanings and meanings[0] in _FIRST else len(_FIRST)
+            if meanings and meanings[0] in _FIRST:
+                place = _FIRST.index(meanings[0])
+            else:
+                place = len(_FIRST)
             found.append((place, f"{name} {values.min():.4g} to {values.max():.4g}"))
     return tuple(text for _, text in sorted(found, key=lambda each: each[0])[:_COLUMNS_NAMED])
 

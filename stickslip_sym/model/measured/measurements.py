@@ -191,7 +191,10 @@ class Measurements(Drawn, TableResult):
     @property
     def weights(self) -> FloatArray:
         """What multiplies each residual in a sum of squares: 1/sigma where it is known, less in heavy tails."""
-        weights = np.ones(len(self)) if self.sigma is None else 1 / self.sigma
+        if self.sigma is None:
+            weights = np.ones(len(self))
+        else:
+            weights = 1 / self.sigma
         if self.tails is None:
             return weights
         return weights * np.sqrt(self.tails)
@@ -417,7 +420,9 @@ def read_measurements(
     )
     read = read.in_branches(direction[order])
     read = read.with_tails_weighed(heavy if read.branches is None else None)
-    return read if bins is None else read.binned(bins)
+    if bins is None:
+        return read
+    return read.binned(bins)
 
 
 def _unmasked(given: Mapping[str, Any]) -> tuple[dict[str, Any], int]:
@@ -476,11 +481,15 @@ def _rows_held_at_rest(v: FloatArray, mu: FloatArray) -> BoolArray:
 def _columns_in_words(table: Table) -> list[str]:
     """Return where speeds, coefficients, their standard deviations and counts come from."""
     columns = table.columns
-    mu = "F_t/F_n" if "F_t" in columns else f"column {columns['mu'].number}"
+    mu = "F_t/F_n"
+    if "F_t" not in columns:
+        mu = f"column {columns['mu'].number}"
     more = [f"{name} from column {columns[key].number}" for key, name in _OTHERS.items() if key in columns]
     weighed = [key for key in ("F_t", "F_n") if key in columns and columns[key].is_mass]
     more += [f"{key} in {columns[key].unit_text} taken for weights" for key in weighed]
-    speed = f"v in {columns['v'].unit_text}" if columns["v"].unit_text else "v taken to be in m/s"
+    speed = "v taken to be in m/s"
+    if columns["v"].unit_text:
+        speed = f"v in {columns['v'].unit_text}"
     radius = [table.said_of_radius] if table.said_of_radius else []
     return ["no header"] * (not columns["v"].text) + [speed, *radius, f"mu from {mu}", *more]
 

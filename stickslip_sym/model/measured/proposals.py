@@ -216,4 +216,6 @@ def _written(written: WrittenRadius | None) -> str:
     """Return a radius that stands above a table, in mm where it has no unit."""
     if written is None:
         return ""
-    return f"{written.text} mm" if written.text[-1].isdigit() else written.text
+    if written.text[-1].isdigit():
+        return f"{written.text} mm"
+    return written.text

@@ -246,7 +246,10 @@ def read_table(
             [(line.number, _cells(line.text, part.layout.separator)) for line in part.layout.rows],
         )
         if len(parts) > 1:
-            line = part.layout.line.number if part.layout.line is not None else part.layout.rows[0].number
+            if part.layout.line is not None:
+                line = part.layout.line.number
+            else:
+                line = part.layout.rows[0].number
             label = label_of([above.text for above in part.above])
             varies = varying(header, [row for _, row in cells])
             blocks.append(Block(number, line, label, len(cells), varies, number in numbers))
@@ -334,7 +337,9 @@ def _table_of(
     """Return the columns of a block that hold measurements; of `plain` rows, if there are no others."""
     line = part.layout.line
     separator = part.layout.separator
-    where = name if line is None else f"{name}, line {line.number}"
+    where = name
+    if line is not None:
+        where = f"{name}, line {line.number}"
     chosen = how.chosen if any(header) or how.chosen else _FIRST_TWO
     try:
         columns = choose_columns(header, where, chosen, how.radius, _copies(header, cells), how.written)
@@ -381,7 +386,10 @@ def _together(tables: Sequence[Table]) -> Table:
 
 def _blocks_of_file(lines: Sequence[_Line], layout: _Layout, name: str) -> list[_Part]:
     """Return the blocks of a file whose first table is known: each later header begins another."""
-    first = lines.index(layout.line) if layout.line is not None else lines.index(layout.rows[0])
+    if layout.line is not None:
+        first = lines.index(layout.line)
+    else:
+        first = lines.index(layout.rows[0])
     begins = [first]
     if layout.line is not None:
         begins += [
@@ -568,7 +576,9 @@ def _layout(lines: Sequence[_Line], name: str) -> _Layout:
             if _is_of_units(units, len(names)):
                 names = _join_units(names, units)
                 start += 1
-                values = _names(rows[start].text, mark) if start < len(rows) else []
+                values = []
+                if start < len(rows):
+                    values = _names(rows[start].text, mark)
             fits = len(values) > 1
             if mark == " ":
                 fits = len(values) == len(names)

@@ -63,13 +63,19 @@ def _error(match: re.Match[str]) -> str | None:
     if match["last"] is None:
         return match["error"]
     error = str(last_digits(match["number"].replace(",", "."), match["last"]))
-    return error.replace(".", ",") if "," in match["number"] else error
+    if "," in match["number"]:
+        return error.replace(".", ",")
+    return error
 
 
 def _name_of_errors(column: HeaderColumn) -> str:
     """Return the name of a column of standard errors: of friction they are read, of anything else they are not."""
     if column.meanings == ("mu",):
-        return "sigma_mu" if column.unit_text in ("", "1", "-") else f"deviation of {column.name}"
+        if column.unit_text in ("", "1", "-"):
+            return "sigma_mu"
+        return f"deviation of {column.name}"
     if column.meanings == ("F_t",):
-        return f"sigma_F_t [{column.unit_text}]" if column.unit_text else "sigma_F_t"
+        if column.unit_text:
+            return f"sigma_F_t [{column.unit_text}]"
+        return "sigma_F_t"
     return f"deviation of {column.name}"

@@ -164,7 +164,9 @@ class CriticalValues(tuple[Critical, ...], TableResult):
         else:
             text = f"{self.of} was looked at from {low:.6g} to {high:.6g}{unit}"
         gaps = ", ".join(f"{a:.6g} to {b:.6g}{unit}" for a, b in self.unresolved)
-        return f"{text}; not decided, or without a threshold: {gaps}" if gaps else text
+        if gaps:
+            return f"{text}; not decided, or without a threshold: {gaps}"
+        return text
 
     def to_dict(self) -> dict[str, Any]:
         """Return the values, and where they were looked for, as ``--json`` prints them."""
@@ -341,7 +343,9 @@ class _QuickSpeeds(NamedTuple):
         ratio = math.e
         if i < len(self.speeds):
             ratio = self.speeds[i] / self.reached[side]
-        return math.log(ratio) if ratio > 0 else -1.0
+        if ratio > 0:
+            return math.log(ratio)
+        return -1.0
 
 
 class _Scale(NamedTuple):
@@ -745,10 +749,15 @@ class _Search:
         missing = ~value(u).known
         ends = [arguments[0]]
         for i in np.flatnonzero(missing[:-1] != missing[1:]).tolist():
-            inside, outside = (u[i], u[i + 1]) if missing[i + 1] else (u[i + 1], u[i])
+            inside, outside = u[i : i + 2]
+            if missing[i]:
+                inside, outside = outside, inside
             while abs(outside - inside) > _EDGE * max(1.0, abs(inside)):
                 middle = (inside + outside) / 2
-                inside, outside = (middle, outside) if value(np.array([middle])).known[0] else (inside, middle)
+                if value(np.array([middle])).known[0]:
+                    inside = middle
+                else:
+                    outside = middle
             ends += sorted((float(inside), float(outside)))
         ends.append(arguments[-1])
         parts = [[a, *(x for x in arguments if a < x < b), b] for a, b in pairwise(ends) if a < b]

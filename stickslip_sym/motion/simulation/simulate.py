@@ -309,7 +309,10 @@ class _Ends:
         """Read what becomes of motions that come to P from the one motion that begins there."""
         left = self.t_end - self.t[rows]
         course = _one(self.law, self.osc, self.x_P, self.osc.V, float(left.max()), rtol, max_steps)
-        last = course.stretches[-1].start if course.outcome is Outcome.AT_REST else course.t[-1]
+        if course.outcome is Outcome.AT_REST:
+            last = course.stretches[-1].start
+        else:
+            last = course.t[-1]
         self.outcome[rows[left >= last]] = course.outcome
 
         since = np.minimum(left, course.t[-1])

@@ -239,7 +239,10 @@ class Trajectory(Shown, TableResult, by_identity=True):
     @property
     def _is_still(self) -> bool:
         """Whether the last swings of x are too small to be a motion."""
-        ends = self._swings[[0, -1]] if self._turns.shape[1] == 4 else np.array([math.inf])
+        if self._turns.shape[1] == 4:
+            ends = self._swings[[0, -1]]
+        else:
+            ends = np.array([math.inf])
         return bool(ends.min() == 0 or ends.max() <= _STILL * self.oscillator.length)
 
     @property

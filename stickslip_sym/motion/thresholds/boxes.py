@@ -394,7 +394,10 @@ class ValidatedIntegrator:
             unsure = times[1 - side]
             for _ in range(self.bits):
                 middle = arb(((sure + unsure) / 2).mid())
-                sure, unsure = (middle, unsure) if event(*step.at(middle)) * sign > 0 else (sure, middle)
+                if event(*step.at(middle)) * sign > 0:
+                    sure = middle
+                else:
+                    unsure = middle
             times[side] = sure
         return times[0], times[1]
 

@@ -217,7 +217,10 @@ def good_enough(
         )
     if points.has_oscillator:  # else nothing is known of the threshold itself
         some = points.rows(far)
-        reference = evaluate(some, None, _REFERENCE)[0] if shared is None else shared.at(points, far)
+        if shared is None:
+            reference = evaluate(some, None, _REFERENCE)[0]
+        else:
+            reference = shared.at(points, far)
         away = np.abs(computed.value[far] - reference.value)
         off = some.relative(away, reference.value) + reference.relative_error
         error = computed.relative_error.copy()

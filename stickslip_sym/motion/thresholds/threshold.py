@@ -167,7 +167,9 @@ class Threshold(Report, QuantityResult, TableResult, Generic[Value]):
     @property
     def theorem(self) -> Theorem | None:
         """What was proved of one point, or None."""
-        return self.theorems[0] if len(self.theorems) == 1 else None
+        if len(self.theorems) == 1:
+            return self.theorems[0]
+        return None
 
     @property
     def enclosure(self) -> Enclosure | None:

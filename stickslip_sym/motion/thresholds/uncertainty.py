@@ -107,7 +107,9 @@ def ranged(values: Numbers, form: str) -> str:
     if not np.size(values):
         return ""
     low, high = (format(float(end(values)), form) for end in (np.min, np.max))
-    return low if low == high else f"{low} to {high}"
+    if low == high:
+        return low
+    return f"{low} to {high}"
 
 
 # -- second order ----------------------------------------------------------------------------------

@@ -68,7 +68,9 @@ def render(template: Path, **values: Any) -> str:
 
 def heading(name: str) -> str:
     """Return a name as it stands in a heading: a long one is cut."""
-    return name if len(name) <= _HEADING_CHARACTERS else f"{name[: _HEADING_CHARACTERS - 1]}…"
+    if len(name) <= _HEADING_CHARACTERS:
+        return name
+    return f"{name[: _HEADING_CHARACTERS - 1]}…"
 
 
 def number(value: float | None, form: str = ".6g") -> Markup:
