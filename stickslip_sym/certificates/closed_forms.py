@@ -16,7 +16,7 @@ import sympy as sp
 from stickslip_sym.certificates.python_printer import WIDTH, assignment, imports, python_code, script_line
 from stickslip_sym.certificates.script import SafeNames
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Condition, Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import FUNCTIONS
 from stickslip_sym.core.remedies import Call
@@ -148,7 +148,7 @@ class _Claim:
         for kind, names in kinds.items():
             yield _symbols(names, f", {kind}=True")
 
-    def _declare_above(self, x: Expr, bound: Expr) -> Iterator[str]:
+    def _declare_above(self, x: Expr, bound: Condition) -> Iterator[str]:
         """Define a parameter by a positive number, the least that it may be added: a condition for an average."""
         name = self._name(x)
         slack = f"slack{len(self.slack) + 1}"
@@ -338,11 +338,11 @@ def _folded(profile: Expr) -> Expr:
 def _solve_conditions(expr: Expr, x: Expr) -> Expr:
     """Return an expression with every condition that is linear in x solved: x < place, or x <= place."""
 
-    def solved(holds: Expr) -> Expr:
-        if holds in (sp.true, sp.false):
-            return holds
+    def solved(holds: Condition) -> Condition:
         if isinstance(holds, sp.Or):
             return sp.Or(*map(solved, holds.args))
+        if not isinstance(holds, sp.core.relational.Relational):
+            return holds
         gap = holds.gts - holds.lts
         rate = sp.diff(gap, x)
         if rate.has(x) or not rate.is_negative:
@@ -352,7 +352,7 @@ def _solve_conditions(expr: Expr, x: Expr) -> Expr:
             return x < place
         return x <= place
 
-    def in_order(*cases: Expr) -> Expr:
+    def in_order(*cases: tuple[Expr, Condition]) -> Expr:
         return sp.Piecewise(*((piece, solved(holds)) for piece, holds in cases), evaluate=False)
 
     return expr.replace(sp.Piecewise, in_order)

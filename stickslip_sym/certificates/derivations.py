@@ -14,7 +14,7 @@ from sympy.core.function import AppliedUndef
 
 from stickslip_sym.certificates.python_printer import WIDTH, assignment, imports, python_code, script_line
 from stickslip_sym.certificates.script import SafeNames
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, UndefinedFunction
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.remedies import Call
 from stickslip_sym.core.status import Status
@@ -39,14 +39,14 @@ def certificate_of_derivation(derivation: Derivation) -> str:
         if step.by is not None and not isinstance(step.by, ChangeOfVariable | LinearSolution):
             raise InputError(f"a certificate has no rule for {type(step.by).__name__}, which step {number} takes")
     sides = [side for step in derivation.steps for side in (_left(step), step.statement.rhs)]
-    functions = sorted({node.func for side in sides for node in side.atoms(AppliedUndef)}, key=str)
+    functions = sorted({type(node) for side in sides for node in side.atoms(AppliedUndef)}, key=str)
     page = _PAGE.read_text(encoding="utf-8").strip()
     safe = SafeNames(
         " ".join(["sp left split vanishes solution check NotProved", *map(str, functions)]), r"right_\d+"
     )
     images = [step.by.image for step in derivation.steps if isinstance(step.by, ChangeOfVariable)]
     symbols = sorted(set().union(*(side.atoms(sp.Symbol) for side in [*sides, *images])), key=str)
-    names = {x: safe.new(x.name) for x in symbols}
+    names: dict[Expr, str] = {x: safe.new(x.name) for x in symbols}
     body = f"{page}\n\n\n" + "\n".join(_script_lines(derivation, functions, names))
     title = fill(f"A proof, step by step: {derivation.title}.", WIDTH - 10)
     words = "Nothing but SymPy 1.13 or later is needed. NotProved names the step that fails, under python -O too."
@@ -57,7 +57,9 @@ def _left(step: Step) -> Expr:
     return step.statement.lhs if step.lhs is None else step.lhs
 
 
-def _script_lines(derivation: Derivation, functions: Sequence[Expr], names: dict[Expr, str]) -> Iterator[str]:
+def _script_lines(
+    derivation: Derivation, functions: Sequence[UndefinedFunction], names: dict[Expr, str]
+) -> Iterator[str]:
     kinds: dict[str, list[str]] = {}
     for x, name in names.items():
         kind = next((kind for kind in ("positive", "nonnegative", "real") if getattr(x, f"is_{kind}")), "complex")

@@ -14,7 +14,7 @@ from sympy.printing.str import StrPrinter
 from stickslip_sym.certificates.python_printer import WIDTH
 from stickslip_sym.certificates.script import SafeNames
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr, Rational
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.bound import BoundLaw
@@ -90,14 +90,14 @@ class LawInFlint:
         return f'    "{text}",'
 
 
-def flint_rational(value: Rational) -> str:
+def flint_rational(value: Expr) -> str:
     """Return an exact rational."""
     if value.is_Integer:
         return f"fmpq({value})"
     return f"fmpq({value.p}, {value.q})"
 
 
-def flint_number(value: Rational) -> str:
+def flint_number(value: Expr) -> str:
     """Return an exact rational as a ball."""
     if value.is_Integer:
         return f"arb({value})"

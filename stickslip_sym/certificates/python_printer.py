@@ -35,7 +35,7 @@ class _Script(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
     def _print_Exp1(self, expr: Expr) -> str:
         return "exp(1)"
 
-    def _print_Derivative(self, expr: Expr) -> str:
+    def _print_Derivative(self, expr: sp.Derivative) -> str:
         variables = [x for x, count in expr.variable_count for _ in range(count)]
         return f"sp.diff({', '.join(map(self._print, [expr.expr, *variables]))})"
 

@@ -64,12 +64,12 @@ def crosscheck(
         values.append(value)
         shown = digits if isinstance(value, mpmath.mpf) else _THRESHOLD_DIGITS
         with mp.workdps(digits):
-            value = mp.mpf(value)
-            if error and value:
-                shown = min(shown, max(2, 2 + int(mp.floor(mp.log10(abs(value) / error)))))
+            number = mp.mpf(value)
+            if error and number:
+                shown = min(shown, max(2, 2 + int(mp.floor(mp.log10(abs(number) / error)))))
             first = mp.mpf(values[0])
-            apart = float(abs(value - first) / (abs(first) or 1))
-            return {"value": mp.nstr(value, shown), "relative_error": apart}
+            apart = float(abs(number - first) / (abs(first) or 1))
+            return {"value": mp.nstr(number, shown), "relative_error": apart}
 
     rows = [measured(method, compute, judge) for method, compute in methods.items()]
     remarks = list[str]()

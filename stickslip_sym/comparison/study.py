@@ -374,13 +374,11 @@ def study(
     require_type("defaults", defaults, Iterable, "an iterable of names")
     fit: Fit | None = None
     fits: Fits | None = None
+    if isinstance(law, Fit):
+        law = Fits([law], law.measured, {})
     if isinstance(law, Fits):
         fit = law.best
         fits = law
-    elif isinstance(law, Fit):
-        fit = law
-        fits = Fits([law], law.measured, {})
-    if fit is not None:
         friction = fit.law.bind(**fit.uncertain)
     else:
         friction = as_law(law)

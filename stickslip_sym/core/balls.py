@@ -15,7 +15,7 @@ import sympy as sp
 from flint import acb, arb, arb_series, ctx, fmpq
 from mpmath.libmp import mpf_pos, round_nearest
 
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Condition, Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import CONSTANTS, Function, fold, row
 from stickslip_sym.core.interrupts import held_back
@@ -82,7 +82,7 @@ class _Balls:
     A part of an expression without the variable is computed once; any other becomes a function.
     """
 
-    def __init__(self, point: Point, variable: Expr = None, otherwise: Otherwise | None = None) -> None:
+    def __init__(self, point: Point, variable: Expr | None = None, otherwise: Otherwise | None = None) -> None:
         self.values: dict[Expr, _Part] = {
             symbol: value if isinstance(value, acb) else ball(value) for symbol, value in point.items()
         }
@@ -252,7 +252,7 @@ def integrated(integrand: BallFunction, low: acb, high: acb, **bounds: Any) -> a
 # -- numbers, and which piece of an expression holds -----------------------------------------------
 
 
-def number_at(expr: Expr, point: Mapping[Expr, Expr]) -> Expr:
+def number_at(expr: Expr, point: Point) -> Expr:
     """Return the value of a real expression as a SymPy number, without ever expanding a power of long fractions.
 
     It is exact where sums, products, whole powers, Abs, Min, Max and pieces suffice, else a Float of 4000 bits;
@@ -269,7 +269,7 @@ def number_at(expr: Expr, point: Mapping[Expr, Expr]) -> Expr:
     return sp.Float._new(mpf_pos(middle_in_mpmath(value.real)._mpf_, _NUMBER_BITS, round_nearest), _NUMBER_BITS)
 
 
-def place_at(place: Expr, point: Mapping[Expr, Expr]) -> Expr:
+def place_at(place: Expr, point: Point) -> Expr:
     """Return the value of the place of a kink as `number_at`, and infinity where what it is divided by falls to 0.
 
     As of Max(q - a v, 0), a >= 0: the kink q/a moves beyond all speeds.
@@ -280,24 +280,27 @@ def place_at(place: Expr, point: Mapping[Expr, Expr]) -> Expr:
     return value
 
 
-def _rationals(point: Mapping[Expr, Expr], *, endless: bool = False) -> Callable[[Expr, list[Expr]], Expr]:
+def _rationals(point: Point, *, endless: bool = False) -> Callable[[Expr, list[Expr | None]], Expr | None]:
     """Return the algebra of exact rationals, and of None for what is none or takes a longer computation.
 
     `endless` takes the inverse of a positive parameter that is 0 for infinity.
     """
 
-    def value(node: Expr, parts: list[Expr]) -> Expr:
-        if not parts:
-            number = point.get(node, node)
-        elif None in parts:
+    def value(node: Expr, parts: list[Expr | None]) -> Expr | None:
+        known = [part for part in parts if part is not None]
+        if len(known) < len(parts):
             return None
-        elif endless and node.is_Pow and parts[0] == 0 and node.base.is_positive and node.exp.is_negative:
+        if not known:
+            number = point.get(node, node)
+        elif endless and node.is_Pow and known[0] == 0 and node.base.is_positive and node.exp.is_negative:
             return sp.oo
         elif node.is_Add or node.is_Mul or isinstance(node, sp.Abs | sp.sign | sp.Min | sp.Max):
-            number = node.func(*parts)
-        elif node.is_Pow and len(parts) == 2 and parts[1].is_Integer and abs(parts[1]) <= _MOST_BALL_POWER:
-            number = parts[0] ** parts[1]
+            number = node.func(*known)
+        elif node.is_Pow and len(known) == 2 and known[1].is_Integer and abs(known[1]) <= _MOST_BALL_POWER:
+            number = known[0] ** known[1]
         else:
+            return None
+        if isinstance(number, acb):
             return None
         if number.is_Rational or (endless and number in (sp.oo, -sp.oo)):
             return number
@@ -326,10 +329,10 @@ def _decided(node: Expr, point: Point) -> Expr:
     return next(resolve_kinks(argument, point) for argument, value in values.items() if value == best)
 
 
-def _holds(condition: Expr, point: Point) -> bool:
-    if condition in (sp.true, sp.false):
-        return bool(condition)
+def _holds(condition: Condition, point: Point) -> bool:
     if isinstance(condition, sp.And | sp.Or):
         return (all if isinstance(condition, sp.And) else any)(_holds(part, point) for part in condition.args)
+    if not isinstance(condition, sp.core.relational.Relational):
+        return bool(condition)
     left, right = (place_at(side, point) for side in condition.args)
     return bool(_COMPARISONS[condition.rel_op](left, right))  # SymPy's relations ask for assumptions, at length

@@ -14,7 +14,7 @@ import sympy as sp
 from flint import acb, arb, arb_series
 from sympy.codegen.cfunctions import expm1, log1p
 
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, ExprOrCondition
 from stickslip_sym.core.numbers import bits
 from stickslip_sym.core.special import Ein, Erfcx, Langevin, Lerch, NumberPower, Removable, polylog
 
@@ -45,7 +45,7 @@ class Function:
     """From the arguments of any other: what must be positive for it to be analytic; None where it is not known."""
     hypergeometric: Callable[..., Expr] | None = None
     """From the arguments: the same by hypergeometric series around 0."""
-    iterated_integral: Callable[[Expr, int, int], Expr] | None = None
+    iterated_integral: Callable[[Expr, int, int], Expr | None] | None = None
     """From x, n and j: the j-th integral of the n-th power, or of the n-th derivative where it has an order; None
     where it has none."""
     bounded: bool = False
@@ -141,7 +141,7 @@ def _difference_of_cosh(x: Expr, a: Expr, step: Expr) -> Expr:
     return 2 * sp.sinh((x + a) / 2) * sp.sinh(step / 2)
 
 
-def _where_it_converges(upper: Expr, lower: Expr, z: Expr) -> Sequence[Expr] | None:
+def _where_it_converges(upper: Sequence[Expr], lower: Sequence[Expr], z: Expr) -> Sequence[Expr] | None:
     if len(upper) > len(lower) + 1 or any(b.is_integer and b.is_nonpositive for b in lower):
         return None
     if len(upper) <= len(lower):
@@ -160,7 +160,7 @@ def _domain_of_whole_order(order: Expr, z: Expr) -> Sequence[Expr] | None:
 # -- repeated integrals ----------------------------------------------------------------------------
 
 
-def _trigonometric_integrals(function: type[Expr]) -> Callable[[Expr, int, int], Expr]:
+def _trigonometric_integrals(function: type[Expr]) -> Callable[[Expr, int, int], Expr | None]:
     return lambda x, n, j: function(x - j * sp.pi / 2) if n == 1 else None
 
 
@@ -187,7 +187,7 @@ def _iterated_integral_of_sech(x: Expr, n: int, j: int) -> Expr:
         return sp.diff(sp.sech(x) ** n, x, -j)
     if n == 1:
         y = sp.exp(-x)
-        return 2 * (-1) ** j * (sp.atan(y) if j == 1 else sp.im(polylog(j, sp.I * y)))
+        return 2 * sp.S.NegativeOne**j * (sp.atan(y) if j == 1 else sp.im(polylog(j, sp.I * y)))
     if n == 2:
         return _iterated_integral_of_tanh(x, 1, j - 1)
     return (
@@ -551,7 +551,7 @@ def row(expr: Expr) -> Function | None:
     kind = expr.func
     if expr.is_Pow and expr.base is sp.E:
         kind = sp.exp
-    return FUNCTIONS.get(kind) or FUNCTIONS.get(kind.__base__)  # a class of ours may stand for SymPy's
+    return FUNCTIONS.get(kind) or FUNCTIONS.get(kind.__bases__[0])  # a class of ours may stand for SymPy's
 
 
 def must_be_positive(expr: Expr) -> Sequence[Expr] | None:
@@ -591,7 +591,7 @@ def write_erfcx(expr: Expr) -> Expr:
     return expr
 
 
-def elementary(expr: Expr) -> Expr:
+def elementary(expr: ExprOrCondition) -> ExprOrCondition:
     """Write functions that are one node for a removable singularity, such as Langevin's, as coth(x) - 1/x."""
     return expr.replace(lambda node: isinstance(node, Removable), lambda node: node.elementary())
 

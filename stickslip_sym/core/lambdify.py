@@ -14,7 +14,7 @@ import sympy as sp
 from sympy.printing.pycode import MpmathPrinter
 from sympy.utilities.lambdify import MPMATH_TRANSLATIONS
 
-from stickslip_sym.core.aliases import Expr, Numbers
+from stickslip_sym.core.aliases import Expr, ExprOrCondition, Numbers
 from stickslip_sym.core.functions import FUNCTIONS, write_erfcx
 from stickslip_sym.core.special import Special
 
@@ -47,7 +47,7 @@ def power_of(base: Numbers, exponent: float) -> Numbers:
 
 _FLOATS = {row.name: row.floats for row in FUNCTIONS.values() if row.floats is not None}
 _SPECIAL = {kind.__name__: kind for kind in FUNCTIONS if issubclass(kind, Special)}
-_MODULES: dict[str, list[Any]] = {
+_MODULES: dict[Backend, list[Any]] = {
     "math": ["math", _FLOATS],
     "numpy": [{"power_of": power_of}, _FLOATS, "scipy", "numpy"],
 }
@@ -55,7 +55,7 @@ _LARGEST_INTEGER = 2**62  # whole numbers above make NumPy leave its own types f
 _DIGITS_OF_DOUBLE = 20  # of a number as text: enough that reading it back gives the nearest double
 
 
-def context_of(backend: Backend) -> Any:
+def context_of(backend: Backend) -> mpmath.MPContext | None:
     """Return the context of mpmath that a backend computes in; None for one that computes in floats."""
     if isinstance(backend, str):
         return mpmath.mp if backend == "mpmath" else None
@@ -83,7 +83,7 @@ def function_of(arguments: Sequence[Expr], expr: Expr | Sequence[Expr], backend:
 @lru_cache(maxsize=1024)
 def _compiled(arguments: tuple[Expr, ...], expr: Expr | tuple[Expr, ...], backend: Backend) -> Callable[..., Any]:
     several = isinstance(expr, tuple)
-    parts = [sp.sympify(part) for part in (expr if several else (expr,))]
+    parts = list(map(sp.sympify, expr if isinstance(expr, tuple) else (expr,)))
     if backend == "numpy":
         parts = [_replace_large_numbers(write_erfcx(part)) for part in parts]
     compiled: Callable[..., Any] = sp.lambdify(
@@ -108,7 +108,7 @@ class _Exact(MpmathPrinter):  # type: ignore[misc]  # SymPy is untyped
         return self._print_int(expr.p)
 
 
-def _replace_large_numbers(expr: Expr) -> Expr:
+def _replace_large_numbers(expr: ExprOrCondition) -> ExprOrCondition:
     """Replace numbers that NumPy's integers do not hold, and powers that are multiplied out."""
     if isinstance(expr, sp.Piecewise):  # SymPy would compare all places again
         return sp.Piecewise(

@@ -13,7 +13,7 @@ from fractions import Fraction
 from functools import reduce
 from operator import truediv
 from types import UnionType
-from typing import TYPE_CHECKING, Any, SupportsFloat, TypeVar
+from typing import TYPE_CHECKING, SupportsFloat, TypeVar
 
 import mpmath
 import numpy as np
@@ -37,7 +37,7 @@ _DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,4})?")
 _MOST_NUMBER_CHARACTERS = 400  # characters of a number; enough for any decimal that has a meaning here
 
 
-def exact(value: Number, name: str) -> Expr:
+def exact(value: Number, name: str) -> Rational:
     """Return a number of any library, or text, as the SymPy rational it denotes; `name` is for messages."""
     number = fraction(value, name)
     return sp.Rational(number.numerator, number.denominator)
@@ -151,7 +151,7 @@ def read_rtol(rtol: Number, *, least: float = 1e-13, most: float = 1e-3) -> floa
     return number
 
 
-def to_mpf(number: Expr, context: Any = mpmath.mp) -> Mpf:
+def to_mpf(number: Expr, context: mpmath.MPContext = mpmath.mp) -> Mpf:
     """Round a SymPy number to the working precision of a context of mpmath."""
     if number.is_Float:
         return +context.make_mpf(number._mpf_)

@@ -62,7 +62,7 @@ class _OwnContext(threading.local):
         return getattr(self.context, name)
 
 
-mp = _OwnContext()
+mp: mpmath.MPContext = _OwnContext()  # type: ignore[assignment]  # it behaves as one
 """What `mpmath` is elsewhere: all that computes here sets the precision of this one, never of `mpmath.mp`."""
 
 
@@ -88,10 +88,10 @@ def middle_in_mpmath(value: arb | acb) -> Mpf:
     return mp.ldexp(int(mantissa), int(exponent))
 
 
-def ball_of_mpmath(value: Mpf, error: Mpf = 0) -> acb:
+def ball_of_mpmath(value: Mpf, error: Mpf | int = 0) -> acb:
     """Return a ball around a number of mpmath, real or complex."""
 
-    def exactly(part: Mpf) -> arb:
+    def exactly(part: Mpf | int) -> arb:
         sign, mantissa, exponent, _ = mp.mpmathify(part)._mpf_
         return arb(((-1) ** sign * int(mantissa), int(exponent)))
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Any, ClassVar
 
+import mpmath
 import numpy as np
 import sympy as sp
 from flint import acb, acb_poly, arb, arb_series, ctx, fmpq, fmpq_series
@@ -26,13 +27,13 @@ _CIRCLE, _BOUND_ON_CIRCLE = (
 _DOUBLE = np.finfo(np.float64).nmant + 1  # bits of a double
 
 
-class Special(sp.Function):  # type: ignore[misc]  # SymPy is untyped
+class Special(sp.Function):
     """A function whose numbers come from balls."""
 
     ball: ClassVar[Callable[..., acb]]
 
     @classmethod
-    def mpf(cls, context: Any, *arguments: Mpf) -> Mpf:
+    def mpf(cls, context: mpmath.MPContext, *arguments: Mpf) -> Mpf:
         """Return the value in the working precision of a context of mpmath."""
         balls = [ball_of_mpmath(argument) for argument in arguments]
         value = middle_in_mpmath(refined(lambda: cls.ball(*balls).real, context.prec, _MOST_MPMATH_BITS))
@@ -55,7 +56,7 @@ class Lerch(Special):
     ball = staticmethod(acb.lerch_phi)
 
     @classmethod
-    def eval(cls, z: Expr, s: Expr, a: Expr) -> Expr:
+    def eval(cls, z: Expr, s: Expr, a: Expr) -> Expr | None:
         """Reduce order 0 to an elementary function."""
         return 1 / (1 - z) if s == 0 else None
 
@@ -125,13 +126,13 @@ class Erfcx(Special):
         return np.asarray(erfcx(x))
 
 
-class polylog(sp.polylog):  # type: ignore[misc]  # noqa: N801  # SymPy is untyped; the name is what is printed
+class polylog(sp.polylog):  # noqa: N801  # the name is what is printed
     """Li_s(z) as SymPy's, which spends a tenth of a second on the question whether z = 1 whenever it is made."""
 
     @classmethod
     def eval(cls, s: Expr, z: Expr) -> Expr | None:
         """Evaluate where it is known."""
-        if z in (-1, 0, 1) or (s, z) == (2, sp.I):
+        if z in (-1, 0, 1) or (s == 2 and z == sp.I):
             return super().eval(s, z)
         return None
 
@@ -178,7 +179,7 @@ class Removable(Special):
     """From the power series of x to that of the function, in exact rationals."""
 
     @classmethod
-    def eval(cls, x: Expr, n: Expr) -> Expr:
+    def eval(cls, x: Expr, n: Expr) -> Expr | None:
         """Evaluate at 0."""
         if x == 0:
             return sp.Rational(str(cls._taylor(int(n), 1)[0]))
@@ -221,7 +222,7 @@ class Removable(Special):
         """Return the value in any arithmetic by the terms, which cancel near 0."""
         names, terms = cls._terms(n)
         values = [1 / x, *(function(name) for name in names)]
-        total = 0
+        total: Any = 0
         for powers, coefficient in terms:
             factors = [value**power for value, power in zip(values, powers, strict=True)]
             total += sp.prod(factors, coefficient)
@@ -250,7 +251,7 @@ class Removable(Special):
         return series(z) + acb(arb(0, rest), arb(0, rest))
 
     @classmethod
-    def series(cls, inner: arb_series, order: arb) -> arb_series:
+    def series(cls, inner: arb_series, order: arb) -> arb_series:  # type: ignore[override]  # not SymPy's
         """Return the power series of the value, from that of the argument."""
         n = round(float(order))
         factorial = 1

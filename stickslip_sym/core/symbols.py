@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, UndefinedFunction
 from stickslip_sym.core.errors import InputError
 
 _NO_BELT = (
@@ -40,7 +40,7 @@ QUANTITIES = {
 }
 
 V, N, m, k, c, v, x, t = (quantity.symbol for quantity in QUANTITIES.values())
-mu: Expr = sp.Function("mu", real=True)
+mu: UndefinedFunction = sp.Function("mu", real=True)
 
 # Used inside derivations only. Dummies, so that a law may use these names for its own parameters.
 u: Expr = sp.Dummy("u", nonnegative=True)

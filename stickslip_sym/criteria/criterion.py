@@ -107,7 +107,7 @@ class Criterion:
         if not self.is_polynomial:
             return 2 / sp.pi * sp.sqrt(p * q)
         s = symbols.s
-        content, factors = sp.factor_list(self.weight, s)
+        content, factors = sp.factor_list(self._kernel_weight, s)
         # In the middle s = (p - q)/2 cancels, to an absolute error of one unit.
         known = {1 + s: p, s - 1: -q}
         return content * sp.Mul(*[known.get(f, f.subs(s, (p - q) / 2)) ** power for f, power in factors])
@@ -137,10 +137,14 @@ class Criterion:
         return self.weight is not None and bool(self.weight.is_polynomial(symbols.s))
 
     @property
-    def _weight_slope(self) -> Expr:
+    def _kernel_weight(self) -> Expr:
         if self.weight is None:
             raise InputError(f"the criterion {self.name!r} takes the slope at one point; it has no kernel")
-        return sp.diff(self.weight, symbols.s)
+        return self.weight
+
+    @property
+    def _weight_slope(self) -> Expr:
+        return sp.diff(self._kernel_weight, symbols.s)
 
 
 _LARGEST_DENOMINATOR, _ROUNDING_OF_RATIO = (

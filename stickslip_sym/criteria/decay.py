@@ -75,7 +75,7 @@ class DecayInLogarithm:
         return (top - step).exp().mid()
 
 
-def _decay_in_logarithm(node: Expr, point: Mapping[Expr, Expr | acb]) -> DecayInLogarithm | None:
+def _decay_in_logarithm(node: Expr, point: Mapping[Expr, Expr]) -> DecayInLogarithm | None:
     """Return an exponential of a polynomial in log(v) that falls without bound at rest; None for another."""
     if not node.exp.has(sp.log):
         return None
@@ -91,7 +91,7 @@ def _decay_in_logarithm(node: Expr, point: Mapping[Expr, Expr | acb]) -> DecayIn
     return DecayInLogarithm(balls) if falls else None
 
 
-def start_of(mu: Expr, point: Mapping[Expr, Expr | acb], reach: arb, bits: int) -> arb | None:
+def start_of(mu: Expr, point: Mapping[Expr, Expr], reach: arb, bits: int) -> arb | None:
     """Return a speed below which what vanishes faster than any power counts for nothing; None without such."""
     decay = decay_at_rest(mu, point)
     logarithmic = [_decay_in_logarithm(node, point) for node in mu.atoms(sp.exp)]
@@ -101,13 +101,13 @@ def start_of(mu: Expr, point: Mapping[Expr, Expr | acb], reach: arb, bits: int) 
     return min(starts, key=float, default=None)
 
 
-def decay_at_rest(mu: Expr, point: Mapping[Expr, Expr | acb]) -> Decay | None:
+def decay_at_rest(mu: Expr, point: Mapping[Expr, Expr]) -> Decay | None:
     """Return the slowest exponential by which a smooth coefficient, or a term of it, vanishes at rest."""
     decays = [decay for node in mu.atoms(sp.exp) if (decay := _leading_decay(node, point)) is not None]
     return min(decays, key=lambda decay: (decay.order, decay.rate), default=None)
 
 
-def _leading_decay(node: Expr, point: Mapping[Expr, Expr | acb]) -> Decay | None:
+def _leading_decay(node: Expr, point: Mapping[Expr, Expr]) -> Decay | None:
     terms = _exponent_powers(node, point)
     if not terms:
         return None
@@ -117,7 +117,7 @@ def _leading_decay(node: Expr, point: Mapping[Expr, Expr | acb]) -> Decay | None
     return None
 
 
-def _exponent_powers(node: Expr, point: Mapping[Expr, Expr | acb]) -> list[tuple[Expr, Expr]]:
+def _exponent_powers(node: Expr, point: Mapping[Expr, Expr]) -> list[tuple[Expr, Expr]]:
     """Return exponents and coefficients of an exponential's argument; nothing if it is no sum of powers of v."""
     values = {symbol: value for symbol, value in point.items() if not isinstance(value, acb)}
     powers: dict[Expr, Expr] = {}
@@ -132,7 +132,7 @@ def _exponent_powers(node: Expr, point: Mapping[Expr, Expr | acb]) -> list[tuple
     return []
 
 
-def vanishing(mu: Expr, point: Mapping[Expr, Expr | acb]) -> tuple[Expr, Expr]:
+def vanishing(mu: Expr, point: Mapping[Expr, Expr]) -> tuple[Expr, Expr]:
     """Return a smooth coefficient without its terms that vanish faster than any power, and these."""
     regular = list[Expr]()
     vanished = list[Expr]()
@@ -143,7 +143,7 @@ def vanishing(mu: Expr, point: Mapping[Expr, Expr | acb]) -> tuple[Expr, Expr]:
     return sp.Add(*regular), sp.Add(*vanished)
 
 
-def bound_below(vanished: Expr, point: Mapping[Expr, Expr | acb], end: arb) -> arb:
+def bound_below(vanished: Expr, point: Mapping[Expr, Expr], end: arb) -> arb:
     """Return a bound on what vanishes faster than any power, from v = 0 to a speed; not finite without one."""
     around = acb(arb(end / 2, (end / 2).abs_upper()))
     total = arb(0)

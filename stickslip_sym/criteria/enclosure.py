@@ -19,7 +19,7 @@ from flint import acb, arb, ctx
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Rational
-from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_value, integrated
+from stickslip_sym.core.balls import BallFunction, Point, ball, ball_function, ball_value, integrated
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.numbers import Number, fraction
 from stickslip_sym.core.precision import refined, working_precision
@@ -263,13 +263,13 @@ def enclose(
 
 
 def average_enclosure(
-    mu: Expr, point: Mapping[Expr, Expr | acb], criterion: Criterion, speed: arb, exact: Expr | None = None
+    mu: Expr, point: Mapping[Expr, Expr], criterion: Criterion, speed: arb, exact: Expr | None = None
 ) -> arb:
     """Return a ball around -<mu'(V(1 + s))>_w at the working precision; not finite where none is found.
 
-    `mu` is a function of `symbols.v`; `point` has the values of its other symbols, exact, or balls where it has no
-    kinks; the speed is positive. The slope at a kink is the mean of both, where `exact` says that the speed is
-    there, and any between them where a ball may be.
+    `mu` is a function of `symbols.v`; `point` has the exact values of the others; the speed is positive. The
+    slope at a kink is the mean of both, where `exact` says that the speed is there, and any between them where a
+    ball may be.
     """
     reach = speed if criterion.weight is None else 2 * speed
     kinks = kinks_at(mu, point)
@@ -277,7 +277,7 @@ def average_enclosure(
     ends_of_pieces = [sp.Integer(0), *kinks, 2 * kinks[-1] if kinks else sp.Integer(1)]
     pieces = smooth_pieces(mu, point, ends_of_pieces[: len(inside) + 2])
     if criterion.weight is None:
-        there = {**point, symbols.v: acb(speed)}
+        there: Point = {**point, symbols.v: acb(speed)}
         near = [kink for kink in kinks if ball(kink).real.overlaps(speed)]
         if exact is not None:
             near = [kink for kink in near if kink == exact]
@@ -347,7 +347,7 @@ def average_enclosure(
 
 def _kernel_bound(criterion: Criterion) -> arb:
     """Return a bound on what mu is multiplied by under the integral."""
-    if not criterion.is_polynomial:
+    if criterion.weight is None or not criterion.is_polynomial:
         return arb(1)
     slope = sp.Poly(sp.diff(criterion.weight, symbols.s), symbols.s)
     return ball(sum(map(abs, slope.all_coeffs()), sp.S.Zero)).real
@@ -360,6 +360,6 @@ def _real_ball(value: acb) -> acb:
     return acb(arb.nan())
 
 
-def smooth_pieces(mu: Expr, point: Mapping[Expr, Expr | acb], ends: Sequence[Expr]) -> list[Expr]:
+def smooth_pieces(mu: Expr, point: Mapping[Expr, Expr], ends: Sequence[Expr]) -> list[Expr]:
     """Return mu between the ends, each piece chosen half-way: a kink itself may be rounded."""
     return [branch_from(mu, point, (left + right) / 2) for left, right in pairwise(ends)]

@@ -8,13 +8,13 @@ something.
 import math
 from collections.abc import Callable, Sequence
 from itertools import chain, pairwise
-from typing import NamedTuple, SupportsIndex
+from typing import NamedTuple, SupportsIndex, TypeAlias
 
 import mpmath
 import sympy as sp
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr, Mpf
+from stickslip_sym.core.aliases import Expr, Mpf, Rational
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import Number, binary_fraction, exact, require_type
@@ -38,7 +38,7 @@ from stickslip_sym.numerics.subdivide import (
 
 __all__ = ["MOST_DIGITS", "average", "damping", "read_operating_point"]
 
-Function = Callable[[Mpf], Mpf]
+Function: TypeAlias = Callable[[Mpf], Mpf]
 
 MOST_DIGITS = 10_000  # of a result
 _GUARD_DIGITS = 10  # digits beyond those asked for, against rounding in the sum
@@ -170,7 +170,7 @@ def average(
 
 def read_operating_point(
     law: FrictionLaw, criterion: CriterionName | Criterion, V: Number, N: Number, digits: int
-) -> tuple[Criterion, Expr, Expr]:
+) -> tuple[Criterion, Rational, Rational]:
     """Return a criterion, V and N, exactly, or refuse what no criterion has a value for."""
     criterion = find(criterion)
     speed = exact(V, "V")
@@ -265,7 +265,8 @@ def _integral_by_parts(
         ends = [mp.mpf(0), *sorted(angles), mp.pi / 2]
 
     def integrand(x: Mpf) -> Mpf:
-        return mu(x if criterion.is_polynomial else 2 * V * mp.sin(x) ** 2) * kernel(x, V)
+        weight: Mpf = kernel(x, V)
+        return mu(x if criterion.is_polynomial else 2 * V * mp.sin(x) ** 2) * weight
 
     def stretched(y: Mpf) -> Mpf:
         if y:

@@ -14,7 +14,7 @@ from functools import cached_property, lru_cache
 import sympy as sp
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Condition, Expr, ExprOrCondition, Relation
 from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.core.functions import elementary
 from stickslip_sym.core.status import Status
@@ -109,12 +109,14 @@ class Average:
         return lines
 
     @property
-    def domain(self) -> tuple[Expr, ...]:
+    def domain(self) -> tuple[Relation, ...]:
         """What must hold for the profile to have a value at all slip speeds up to 2 V."""
         if self.criterion.weight is None:
             return ()
-        relations = [sp.Gt(1 + 2 * rate * symbols.V, 0) for _, rate in self.rates.values()]
-        return (*relations, *([sp.Gt(1 - 2 * symbols.V, 0)] if self.ends_at_scale else []))
+        relations: list[Relation] = [sp.Gt(1 + 2 * rate * symbols.V, 0) for _, rate in self.rates.values()]
+        if self.ends_at_scale:
+            relations.append(sp.Gt(1 - 2 * symbols.V, 0))
+        return tuple(relations)
 
     @cached_property
     def ends_at_scale(self) -> bool:
@@ -131,10 +133,10 @@ class Average:
         return [
             (p.lhs, p.rhs, sp.Dummy(positive=True), 1 if isinstance(p, sp.Gt) else -1)
             for p in self.conditions
-            if p is not sp.false
+            if isinstance(p, sp.core.relational.Relational)
         ]
 
-    def in_shapes(self, expr: Expr) -> Expr:
+    def in_shapes(self, expr: ExprOrCondition) -> ExprOrCondition:
         """Write what was found under the conditions in the shapes again."""
         return expr.xreplace({slack: sign * (shape - bound) for shape, bound, slack, sign in self._slack})
 
@@ -172,7 +174,7 @@ class Average:
 
     def require_conditions(self, term: Term) -> None:
         """Refuse a term with exponents that are numbers for which the average does not exist."""
-        if any(term.in_parameters(condition) == sp.false for condition in self.conditions):
+        if any(term.condition_in_parameters(condition) == sp.false for condition in self.conditions):
             raise self._diverges
 
     @property
@@ -183,7 +185,7 @@ class Average:
         )
 
     @cached_property
-    def conditions(self) -> tuple[Expr, ...]:
+    def conditions(self) -> tuple[Condition, ...]:
         """Relations between the shapes without which the average does not exist; false where it never does.
 
         A factor v^p of the profile asks for p + q > 0, the weight vanishing like (1 + s)^q where the slip speed
@@ -191,7 +193,7 @@ class Average:
         """
         if self.criterion.weight is None:
             return ()
-        bounds: list[Expr] = []
+        bounds: list[Relation] = []
         terms = sp.Add.make_args(sp.expand_mul(self.profile))
         for term in terms:
             powers = [factor.as_base_exp() for factor in sp.Mul.make_args(term)]

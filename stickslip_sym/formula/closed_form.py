@@ -9,7 +9,7 @@ from typing import Literal, SupportsIndex
 
 import sympy as sp
 
-from stickslip_sym.core.aliases import Expr, Mpf
+from stickslip_sym.core.aliases import Condition, Expr, Mpf
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.deadline import time_limit as limit
 from stickslip_sym.core.errors import InputError, NoClosedForm, NotConverged, OutOfTime
@@ -354,10 +354,12 @@ class ClosedForm(Shown, SlopeAverage):
             return super()._exactly(point, digits)
 
     @cached_property
-    def domain(self) -> tuple[Expr, ...]:
+    def domain(self) -> tuple[Condition, ...]:
         """Relations without which a pole or an end of mu lies at a slip speed up to 2 V."""
         relations = [
-            term.in_parameters(relation) for term, average in self.averages for relation in average.domain
+            term.condition_in_parameters(relation)
+            for term, average in self.averages
+            for relation in average.domain
         ]
         return tuple(dict.fromkeys(relation for relation in relations if relation != sp.true))
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import sympy as sp
 
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Condition, Expr
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.symbols import QUANTITIES, V, v
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal, prove_positive
@@ -51,12 +51,12 @@ class Step(DataResult):
 
     operation: str
     reason: str
-    statement: Expr
+    statement: Condition
     verdict: Verdict
     label: str = ""
     by: By | None = None
     lhs: Expr | None = None
-    formulas: tuple[Expr, ...] = ()
+    formulas: tuple[Expr | Condition, ...] = ()
     meanings: tuple[Mapping[Expr, Expr], ...] = ()
 
     def __repr__(self) -> str:
@@ -87,21 +87,22 @@ class Derivation(Shown, DataResult):
         operation: str,
         reason: str,
         lhs: Expr,
-        rhs: Expr,
+        rhs: Expr | int,
         *,
         label: str = "",
         by: By | None = None,
         shown: Expr | None = None,
-        formulas: tuple[Expr, ...] = (),
+        formulas: tuple[Expr | Condition, ...] = (),
     ) -> Expr:
         """Add the step lhs = rhs, prove or refute it, and return `rhs`.
 
         `shown` is what the equation is printed as, when the left side has a name; `formulas` stand in the words.
         """
-        statement = sp.Eq(lhs if shown is None else shown, rhs, evaluate=False)
-        verdict = prove_equal(lhs, rhs, by)
+        right = sp.sympify(rhs)
+        statement = sp.Eq(lhs if shown is None else shown, right, evaluate=False)
+        verdict = prove_equal(lhs, right, by)
         self.steps.append(Step(operation, reason, statement, verdict, label, by, lhs, formulas))
-        return rhs
+        return right
 
     def positive(self, operation: str, reason: str, expr: Expr, *, label: str = "") -> None:
         """Add the step expr > 0 with its derivatives carried out, and prove or refute it."""
@@ -180,7 +181,7 @@ class Derivation(Shown, DataResult):
 
 
 def _sentence_latex(
-    text: str, formulas: Sequence[Expr], known: Mapping[str, str], names: Mapping[str, str]
+    text: str, formulas: Sequence[Expr | Condition], known: Mapping[str, str], names: Mapping[str, str]
 ) -> str:
     """Return a sentence as LaTeX, the formulas in it as formulas, wherever they stand there as text."""
     for formula in formulas:

@@ -56,9 +56,10 @@ def limits_of(averages: Iterable[tuple[Term, Average]], mu: Expr) -> Limits:
 
 def _leading_limits(limits: list[Expr | None], sign: int) -> Expr | None:
     """Return the sum of those limits of terms that grow most, as V grows or, with -1, falls; None if it is 0."""
-    if None in limits:
+    known = [limit for limit in limits if limit is not None]
+    if len(known) < len(limits):
         return None
-    parts = [part for limit in limits for part in sp.Add.make_args(sp.expand(limit))]
+    parts = [part for limit in known for part in sp.Add.make_args(sp.expand(limit))]
     if any(part.has(sp.oo, -sp.oo) for part in parts):
         total = sp.nan
         if not any(part.has(symbols.V) for part in parts):
@@ -142,8 +143,9 @@ def _growth(expr: Expr) -> Expr | None:
             return -sp.oo
     if known is not None and known.bounded:
         return sp.S.Zero
-    parts = [_growth(argument) for argument in expr.args]
-    if None in parts:
+    growths = [_growth(argument) for argument in expr.args]
+    parts = [growth for growth in growths if growth is not None]
+    if len(parts) < len(growths):
         return None
     if expr.is_Mul or expr.is_Add:
         return (sp.Add if expr.is_Mul else sp.Max)(*parts)

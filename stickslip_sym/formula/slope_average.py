@@ -13,7 +13,7 @@ import sympy as sp
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, Mpf, Numbers
+from stickslip_sym.core.aliases import BoolArray, Condition, Expr, FloatArray, Mpf, Numbers
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.names import suggestion
@@ -85,10 +85,10 @@ class SlopeAverage(TermSum, DataResult, by_identity=True):
             return rounded(own_mpf(sp.Rational(middle.numerator, middle.denominator)), digits)
 
     @cached_property
-    def conditions(self) -> tuple[Expr, ...]:
+    def conditions(self) -> tuple[Condition, ...]:
         """Relations between the law's parameters without which the criterion has no value."""
         relations = [
-            function.term.in_parameters(condition)
+            function.term.condition_in_parameters(condition)
             for function in self.functions
             for condition in function.average.conditions
         ]
@@ -110,7 +110,7 @@ class SlopeAverage(TermSum, DataResult, by_identity=True):
             if speeds.count():
                 self.law.require_speed(speeds.max() * (1 if self.criterion.weight is None else 2))
         for relation in self.conditions:
-            if relation == sp.false:
+            if not isinstance(relation, sp.core.relational.Relational):
                 raise InputError(
                     f"the {self.criterion.name} criterion has no value: mu grows without bound at v = 0+, and its "
                     "integral diverges; cut mu off there: write Max(v, v_c) for v"

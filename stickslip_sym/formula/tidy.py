@@ -108,10 +108,10 @@ def _flint_factors(polynomial: sp.Poly) -> tuple[Expr, list[tuple[Expr, int]]]:
 
 
 def _should_flip(factor: Expr, model: Expr, small: Expr) -> bool:
-    for node in model.atoms(sp.Add):
-        node = node.primitive()[1]
-        if node in (factor, -factor):
-            return bool(node == -factor)
+    for total in model.atoms(sp.Add):
+        primitive = total.primitive()[1]
+        if primitive in (factor, -factor):
+            return primitive == -factor
     leading = factor.subs(small, 0)
     if leading.is_negative or leading.is_positive:
         return bool(leading.is_negative)

@@ -108,5 +108,5 @@ def _zeros_of_rational_function(expr: Expr, point: Mapping[Expr, Expr]) -> tuple
     polynomial = sp.Poly(sp.numer(sp.cancel(per_force)), symbols.V)
     if not all(c.is_Rational for c in polynomial.all_coeffs()):
         return None
-    roots = (float(root) for root in polynomial.real_roots(multiple=False, radicals=False) for root in root[:1])
+    roots = (float(root) for root, _ in polynomial.real_roots(multiple=False, radicals=False))
     return tuple(root for root in roots if root > 0)

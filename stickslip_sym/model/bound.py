@@ -262,9 +262,8 @@ class BoundLaw:
     @property
     def _smooth(self) -> list[Smooth]:
         """The segments as a table takes them; pieces of a curve are polynomials already."""
-        if self.curve is not None:
-            formulas = [None] * len(self.rises)
-        else:
+        formulas: list[Expr | None] = [None] * len(self.rises)
+        if self.curve is None:
             formulas = [formula for _, formula in self.segments]
         return [Smooth(*rise, formula) for rise, formula in zip(self.rises, formulas, strict=True)]
 

@@ -12,7 +12,7 @@ import sympy as sp
 from flint import acb
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr, Rational
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.balls import ball, ball_function
 from stickslip_sym.core.functions import must_be_positive
 from stickslip_sym.core.precision import working_precision
@@ -56,7 +56,7 @@ def _must_be_positive(expr: Expr) -> Iterator[Expr | None]:
             yield from (None,) if needed is None else needed
 
 
-def _is_positive(expr: Expr, start: Rational, end: Rational | None) -> bool:
+def _is_positive(expr: Expr, start: Expr, end: Expr | None) -> bool:
     """Whether an expression of v is shown to be positive: by its signs, or by balls on a bounded range."""
     if expr.is_positive:
         return True
@@ -65,7 +65,7 @@ def _is_positive(expr: Expr, start: Rational, end: Rational | None) -> bool:
     with working_precision(BITS_OF_SIGNS):
         function = ball_function(expr, _speed, {})
 
-        def holds(low: Rational, high: Rational, _: int) -> bool:
+        def holds(low: Expr, high: Expr, _: int) -> bool:
             return bool(function(acb(ball(low).real.union(ball(high).real)), False).real > 0)
 
         return shown(holds, [(start, end)], halvings=math.inf, most=_MOST_CUTS)

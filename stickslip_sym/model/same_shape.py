@@ -44,9 +44,10 @@ def _shared_values(candidate: FrictionLaw, law: FrictionLaw) -> dict[Expr, Expr]
     values: dict[Expr, Expr] = {}
     while equations is not None and len(values) < len(unknown):
         solvable = (equation for equation in equations if len(equation[0].free_symbols) == 1)
-        left, right = next(solvable, (None, None))
-        if left is None:
+        equation = next(solvable, None)
+        if equation is None:
             return None
+        left, right = equation
         (symbol,) = left.free_symbols
         solutions = [value for value in sp.solve(left - right, symbol) if value.is_Rational and value > 0]
         if len(solutions) != 1:

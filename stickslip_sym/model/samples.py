@@ -190,7 +190,7 @@ def _hermite_cubics(x: Sequence[Rational], y: Sequence[Rational]) -> list[tuple[
     height = max(map(abs, y)) or sp.Integer(1)
     scaled = PchipInterpolator([float(value / width) for value in x], [float(value / height) for value in y])
     d = [binary_fraction(slope) * height / width for slope in scaled(scaled.x, nu=1)]
-    cubics = []
+    cubics: list[tuple[Rational, ...]] = []
     for i, ((x0, y0), (x1, y1)) in enumerate(pairwise(zip(x, y, strict=True))):
         step = x1 - x0
         rise = (y1 - y0) / step

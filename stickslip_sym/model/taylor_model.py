@@ -22,7 +22,14 @@ from flint import acb, acb_poly, arb, arb_poly, arb_series, ctx
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
-from stickslip_sym.core.balls import BallFunction, ball_function, ball_value, number_at, rational, series_function
+from stickslip_sym.core.balls import (
+    BallFunction,
+    ball_function,
+    ball_value,
+    number_at,
+    rational,
+    series_function,
+)
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import Function, fold, row
 from stickslip_sym.core.precision import working_precision
@@ -403,7 +410,7 @@ def _model_with_pole(expr: Expr, point: Mapping[Expr, Expr], bits: int) -> Taylo
     return None
 
 
-def poles(expr: Expr, point: Mapping[Expr, Expr]) -> dict[sp.Rational, arb]:
+def poles(expr: Expr, point: Mapping[Expr, Expr]) -> dict[Expr, arb]:
     """Return the coefficients of the negative powers of v of a function at rest; none where it has no series."""
     with working_precision(_BITS_OF_FLOATS):
         model = _model_with_pole(expr, point, _BITS_OF_FLOATS)

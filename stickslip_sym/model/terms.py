@@ -14,7 +14,7 @@ from itertools import pairwise
 import sympy as sp
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Condition, Expr
 from stickslip_sym.core.balls import ball_value
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.expression.letters import name_constants, substitute_numbers
@@ -56,6 +56,10 @@ class Term:
         belt = {symbols.V: symbols.V / self.scale}
         return _rescale(substitute_numbers(function, {**belt, **self.shapes}), 1 / self.scale)
 
+    def condition_in_parameters(self, condition: Condition) -> Condition:
+        """Return a condition of the shapes in terms of the law's parameters."""
+        return condition.func(*map(self.in_parameters, condition.args))
+
     def __hash__(self) -> int:
         return hash((self.amplitude, self.scale, self.profile, tuple(self.shapes.items())))
 
@@ -74,7 +78,7 @@ def terms_of(mu: Expr) -> tuple[Term, ...]:
     Parts that are infinite at rest, or grow far out, and cancel there are one term: (1 - exp(-v))/v.
     """
     v = symbols.v
-    polynomial = sp.Integer(0)
+    polynomial = sp.S.Zero
     terms = []
     parts = grouped(mu, v)
     for group in _cancelling(parts):
@@ -99,7 +103,9 @@ def _cancelling(parts: Mapping[Expr, Expr]) -> list[list[Expr]]:
     no error.
     """
     symbols_of = sorted({symbol for rest in parts for symbol in (parts[rest] * rest).free_symbols}, key=str)
-    point = {symbol: sp.Rational(17 + 6 * k, 16) for k, symbol in enumerate(symbols_of) if symbol != symbols.v}
+    point: dict[Expr, Expr] = {
+        symbol: sp.Rational(17 + 6 * k, 16) for k, symbol in enumerate(symbols_of) if symbol != symbols.v
+    }
     groups: list[list[Expr]] = []
     for far in (False, True):
         left = [rest for rest in parts if rest.has(symbols.v) and not any(rest in group for group in groups)]
@@ -229,7 +235,7 @@ def _simplified(expr: Expr) -> Expr:
     )
 
 
-def _simplified_pieces(node: Expr) -> Expr:
+def _simplified_pieces(node: sp.Piecewise) -> Expr:
     """Bring out the constant factor that all pieces share."""
     pieces = [sp.factor_terms(piece) for piece, _ in node.args]
     factors = [piece.as_independent(symbols.v, as_Add=False)[0] for piece in pieces if piece != 0]
@@ -287,8 +293,9 @@ def _replace_parameters(expr: Expr, names: dict[Expr, Expr]) -> Expr:
         return _constant_as_shapes(expr, names)
     if expr.is_Add or expr.is_Mul:
         fixed, moving = expr.as_independent(symbols.v, as_Add=expr.is_Add)
-        parts = [_replace_parameters(part, names) for part in expr.func.make_args(moving)]
-        return expr.func(*([_constant_as_shapes(fixed, names)] if fixed != expr.func.identity else []), *parts)
+        kind = sp.Add if expr.is_Add else sp.Mul
+        parts = [_replace_parameters(part, names) for part in kind.make_args(moving)]
+        return kind(*([_constant_as_shapes(fixed, names)] if fixed != kind.identity else []), *parts)
     return expr.func(*(_replace_parameters(argument, names) for argument in expr.args))
 
 

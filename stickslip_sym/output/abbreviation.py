@@ -70,7 +70,9 @@ def _summed(expr: Expr, names: Mapping[str, str]) -> tuple[Expr, Definitions]:
     """Give symbols to the wide terms of a sum of many lines."""
     if not expr.is_Add or width(latex(expr, names)) < _MANY_LINES * LINE:
         return expr, Definitions()
-    terms = [(sp.Dummy("term", real=True), term) for term in expr.args if width(latex(term, names)) > LINE]
+    terms: Definitions = [
+        (sp.Dummy("term", real=True), term) for term in expr.args if width(latex(term, names)) > LINE
+    ]
     return expr.xreplace({term: symbol for symbol, term in terms}), terms
 
 

@@ -17,7 +17,7 @@ from sympy.core.function import AppliedUndef
 from sympy.printing.conventions import requires_partial
 from sympy.printing.latex import LatexPrinter
 
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Condition, Expr
 from stickslip_sym.core.functions import CONSTANTS, Constant, Function, elementary, row
 from stickslip_sym.output.notation import distinct_notation, latex_name, look
 from stickslip_sym.output.text_printer import Readable, decimal, is_over_decimal, spellings
@@ -172,7 +172,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         return text
 
     def _print_Mul(self, expr: Expr) -> str:
-        number = sp.Integer(1)
+        number: Expr = sp.Integer(1)
         parts = []
         for factor in expr.args:
             content, primitive = factor.primitive() if factor.is_Add else (factor, sp.S.One)
@@ -205,8 +205,8 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             for factor in parts
             if _is_below(factor)
         ]
-        above = sp.Integer(number.p)
-        under = sp.Integer(number.q)
+        above: Expr = sp.Integer(number.p)
+        under: Expr = sp.Integer(number.q)
         if decimal(number, shortest=True):
             above = number
             under = sp.S.One
@@ -228,7 +228,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         with self._flat():
             fraction = f"\\frac{{{self._row(above, head)}}}{{{denominator}}}"
         if tail:
-            return self._row(1, tail, fraction)
+            return self._row(sp.S.One, tail, fraction)
         return fraction
 
     def _is_short(self, factor: Expr) -> bool:
@@ -327,7 +327,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         with self._flat():
             return name + bracketed(", ".join(self._print(argument) for argument in arguments))
 
-    def _print_Derivative(self, expr: Expr) -> str:
+    def _print_Derivative(self, expr: sp.Derivative) -> str:
         if primed := self._primed(expr):
             return primed
         sign = r"\partial" if requires_partial(expr.expr) else r"\mathrm{d}"
@@ -339,7 +339,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         below = " ".join(f"{sign} {self._print(symbol)}{power(count)}" for symbol, count in expr.variable_count)
         return f"\\frac{{{over}}}{{{below}}} {held(self._print(expr.expr), Binding.FACTOR)}"
 
-    def _print_Integral(self, expr: Expr) -> str:
+    def _print_Integral(self, expr: sp.Integral) -> str:
         if len(expr.limits) != 1 or len(expr.limits[0]) != 3:
             return str(super()._print_Integral(expr))
         variable, *ends = expr.limits[0]
@@ -352,7 +352,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
             low, high = map(self._print, ends)
         return f"{sign}\\int_{{{low}}}^{{{high}}} {printed} \\,\\mathrm{{d}}{self._print(variable)}"
 
-    def _print_hyper(self, expr: Expr) -> str:
+    def _print_hyper(self, expr: sp.hyper) -> str:
         with self._flat():
             rows = [", ".join(self._print(argument) for argument in group) for group in expr.args[:2]]
             inside = "; ".join([*rows, self._print(expr.args[2])])
@@ -364,7 +364,7 @@ def _is_below(factor: Expr) -> bool:
     return bool(factor.is_Pow and factor.base is not sp.E and factor.exp.could_extract_minus_sign())
 
 
-def latex(expr: Expr, names: Mapping[str, str] | None = None, *, inline: bool = False) -> str:
+def latex(expr: Expr | Condition, names: Mapping[str, str] | None = None, *, inline: bool = False) -> str:
     r"""Return an expression or a relation as LaTeX, e.g. ``N (\mu_{\mathrm{s}} - \mu_{\mathrm{m}})``.
 
     - `names`: LaTeX of symbols that shall not be written as usual (`notation`).
@@ -372,7 +372,8 @@ def latex(expr: Expr, names: Mapping[str, str] | None = None, *, inline: bool = 
     """
     dummies = spellings(expr, names or ())
     written = [dummies.get(symbol, symbol.name) for symbol in expr.atoms(sp.Symbol)]
-    return str(_Latex(distinct_notation(written, names or {}), dummies, slashes=inline).doprint(elementary(expr)))
+    printer = _Latex(distinct_notation(written, names or {}), dummies, slashes=inline)
+    return str(printer.doprint(elementary(expr)))  # type: ignore[type-var]  # one or the other
 
 
 def latex_value(number: Expr) -> str:

@@ -12,7 +12,7 @@ import sympy as sp
 from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Condition, Expr
 from stickslip_sym.core.functions import elementary
 
 _LEAST_DENOMINATOR = 100  # least denominator of a decimal; a smaller one is read at a glance
@@ -33,17 +33,17 @@ class Readable:
         first = next((term for term in terms if not term.could_extract_minus_sign()), None)
         return sorted(terms, key=lambda term: term is not first)
 
-    def _print_Derivative(self, expr: Expr) -> str:
+    def _print_Derivative(self, expr: sp.Derivative) -> str:
         return self._primed(expr) or str(super()._print_Derivative(expr))  # type: ignore[misc]  # a printer's
 
-    def _print_Subs(self, expr: Expr) -> str:
+    def _print_Subs(self, expr: sp.Subs) -> str:
         if isinstance(expr.expr, sp.Derivative) and len(expr.point) == 1:
             primed = self._primed(expr.expr, expr.point[0])
             if primed:
                 return primed
         return str(super()._print_Subs(expr))  # type: ignore[misc]  # a printer's
 
-    def _primed(self, derivative: Expr, place: Expr | None = None) -> str:
+    def _primed(self, derivative: sp.Derivative, place: Expr | None = None) -> str:
         """Return x'(t), or at a place x'(t_P); nothing where what is derived is no function of one argument."""
         function = derivative.expr
         if not isinstance(function, sp.core.function.AppliedUndef) or len(function.args) != 1:
@@ -120,14 +120,14 @@ def is_over_decimal(number: Expr) -> bool:
     return not decimal(number) and is_decimal(1 / number) and len(decimal(1 / number)) < len(str(number))
 
 
-def spellings(expr: Expr, names: Iterable[str] = ()) -> dict[Expr, str]:
+def spellings(expr: Expr | Condition, names: Iterable[str] = ()) -> dict[Expr, str]:
     """Return a name for each dummy of an expression: its own, with underscores where another symbol has that.
 
     `names` are those of symbols elsewhere that no dummy may have either.
     """
     symbols = expr.atoms(sp.Symbol)
     taken = {symbol.name for symbol in symbols if not symbol.is_Dummy} | set(names)
-    spelled = {}
+    spelled: dict[Expr, str] = {}
     for dummy in sorted((symbol for symbol in symbols if symbol.is_Dummy), key=sp.default_sort_key):
         spelled[dummy] = dummy.name
         while spelled[dummy] in taken:
@@ -136,10 +136,10 @@ def spellings(expr: Expr, names: Iterable[str] = ()) -> dict[Expr, str]:
     return spelled
 
 
-def text(expr: Expr) -> str:
+def text(expr: Expr | Condition) -> str:
     """Return an expression or a relation as one line of text, e.g. ``N*(mu_s - mu_m)``."""
-    if getattr(expr, "is_Relational", False):
+    if isinstance(expr, sp.core.relational.Relational):
         return f"{text(expr.lhs)} {expr.rel_op.replace('==', '=')} {text(expr.rhs)}"
     has_decimals = any(map(is_decimal, expr.atoms(sp.Rational)))
     least = _AMONG_DECIMALS if has_decimals else _LEAST_DENOMINATOR
-    return str(_Text(spellings(expr), least).doprint(elementary(expr)))
+    return str(_Text(spellings(expr), least).doprint(elementary(expr)))  # type: ignore[type-var]  # one or the other

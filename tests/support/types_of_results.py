@@ -3,9 +3,10 @@
 from typing import assert_type
 
 import numpy as np
+import sympy as sp
 
 import stickslip_sym as ss
-from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.aliases import Condition, Expr, FloatArray, Mpf
 
 
 def types_of_results(law: ss.FrictionLaw, oscillator: ss.Oscillator, speeds: FloatArray) -> None:
@@ -22,3 +23,20 @@ def types_of_results(law: ss.FrictionLaw, oscillator: ss.Oscillator, speeds: Flo
     assert_type(fits[:2], tuple[ss.results.Fit, ...])
     assert_type(ss.margins(law, oscillator).threshold.value, float)
     assert_type(ss.simulate(law, oscillator, t_end=1.0), ss.results.Trajectory)
+
+
+def types_of_expressions(expr: Expr, condition: Condition, number: Mpf) -> None:
+    """Use expressions: each line with a comment is refused, or the comment is; nothing runs it."""
+    assert_type(2 * expr**2 + 1, Expr)
+    assert_type(sp.exp(expr), Expr)
+    assert_type(sp.diff(expr, ss.symbols.v), Expr)
+    assert_type(sp.Rational(1, 2) + 1, sp.Rational)
+    assert_type(expr < 1, Condition)
+    assert_type(number + 1, Mpf)
+    expr.nonsense(1)  # type: ignore[attr-defined]
+    expr.subs(1).nonsense  # type: ignore[attr-defined]  # noqa: B018
+    expr + "1"  # type: ignore[operator]
+    condition + 1  # type: ignore[operator]
+    sp.diff(None)  # type: ignore[call-overload]
+    number.nonsense()  # type: ignore[attr-defined]
+    ss.derive("exponential").expr.nonsense  # type: ignore[attr-defined]  # noqa: B018

@@ -18,7 +18,7 @@ from stickslip_sym.certificates.coq.words import (
     square_free,
 )
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Condition, Expr
 
 V = symbols.V
 _MOST_PLACES = 3
@@ -93,7 +93,7 @@ class Slope(Script):
 def _piece_beside(expr: Expr, below: Mapping[Expr, bool], speed: Expr) -> Expr:
     """Return the piece of an expression on one side of each place."""
 
-    def chosen(*pairs: Expr) -> Expr:
+    def chosen(*pairs: tuple[Expr, Condition]) -> Expr:
         return next(value for value, holds in pairs if holds == sp.true or below[place_in_condition(holds, speed)])
 
     return expr.replace(sp.Piecewise, chosen)

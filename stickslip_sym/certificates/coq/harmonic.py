@@ -7,6 +7,7 @@ fraction, whose integral the library has: 1/(v + w), or 1/q and v/q with q = v^2
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import cast
 
 import sympy as sp
 
@@ -127,7 +128,7 @@ class Harmonic(Script):
     def text(self) -> str:
         """Return the script."""
         law = self.form.law.expr
-        weight = self.form.criterion.weight
+        weight = cast(Expr, self.form.criterion.weight)  # that of one point has another script
         if weight != 2 * sp.sqrt(1 - symbols.s**2) / sp.pi:
             raise Unsupported(f"a script in Coq has no weight {printing.text(weight)}")
         v = self.v

@@ -27,7 +27,7 @@ from stickslip_sym.certificates.coq.words import (
     square_free,
 )
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Condition, Expr
 from stickslip_sym.formula.average import Average
 from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.formula.derivation import Step
@@ -45,7 +45,7 @@ class Profile:
 
     label: int
     shapes: tuple[Expr, ...]
-    relations: tuple[Expr, ...]
+    relations: tuple[Condition, ...]
     expr: Expr
     pieces: tuple[Expr, ...]
     primitives: tuple[Expr, ...]
@@ -161,7 +161,7 @@ class Integral(Script):
     def _value(self, row: LawTerm) -> str:
         """Return the integral of the profile of a term."""
         value = row.profile.generators.of(row.profile.value)
-        given = [(self.r, f"(V / {self.whole(row.scale)})")]
+        given: list[tuple[Expr, str]] = [(self.r, f"(V / {self.whole(row.scale)})")]
         given += [(shape, self.whole(meaning)) for shape, meaning in row.shapes.items()]
         texts = [text for letter, text in given if value.has(letter)]
         return f"{' '.join([f'I{row.profile.label}', *texts])} / {self.whole(row.scale)}"
@@ -271,7 +271,7 @@ class Integral(Script):
     def _rise(self, value: Expr, primitives: Sequence[Expr], ends: Sequence[Expr]) -> str:
         """Prove that antiderivatives rise by the value."""
         moving = [root for root in roots_of(*primitives) if root.has(self.u)]
-        at = [{self.u: end} for end in ends]
+        at: list[Mapping[Expr, Expr]] = [{self.u: end} for end in ends]
         radicands = [root.args[0].subs(letters) for root in moving for letters in at]
         made = [square_free(y) for y in radicands if y != 0]
         factors = [factor for y, _ in made if y != 1 for factor in sp.Mul.make_args(y)]
@@ -398,16 +398,16 @@ class Integral(Script):
     def _bounds(self, c: Expr, terms: Sequence[LawTerm]) -> Iterator[str]:
         """Yield tactics that write the ends of pieces in c, and in its terms, by the smaller of 2 V."""
         rows = [(row, node) for row in terms for node in row.profile.value.atoms(sp.Min)]
-        bounds = [(self.code(node), node) for node in c.atoms(sp.Min)]
+        bounds: list[tuple[str, Expr]] = [(self.code(node), node) for node in c.atoms(sp.Min)]
         for row, node in rows:
-            given = {self.r: f"(V / {self.whole(row.scale)})"}
+            given: dict[Expr, str] = {self.r: f"(V / {self.whole(row.scale)})"}
             given |= {shape: self.whole(meaning) for shape, meaning in row.shapes.items()}
             text = CoqPrinter(self.names | given).doprint(node)
             bounds.append((text, node.xreplace({**row.shapes, self.r: V / row.scale})))
-        for text, node in sorted(dict(bounds).items()):
-            if (scaled := factor_out_range(node, V)) is not None and self.code(scaled[1]) != text:
-                factor, bound = scaled
-                yield f"replace ({text}) with ({self.whole(factor)} * {self.whole(bound)}) by (symmetry; scaled)"
+        for text, bound in sorted(dict(bounds).items()):
+            if (scaled := factor_out_range(bound, V)) is not None and self.code(scaled[1]) != text:
+                factor, rest = scaled
+                yield f"replace ({text}) with ({self.whole(factor)} * {self.whole(rest)}) by (symmetry; scaled)"
 
     def _boundary(self) -> str:
         """Return what a weight that does not vanish at the ends adds to c."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import sympy as sp
 from sympy.printing.printer import Printer
 
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Condition, Expr
 from stickslip_sym.core.errors import InputError
 
 _WORDS = """at by as in on fun end let fix if then else match with for forall exists exists2 where using return mod
@@ -180,20 +180,20 @@ class CoqPrinter(Printer):  # type: ignore[misc]  # SymPy is untyped
 
     # -- functions in pieces -------------------------------------------------------------------------
 
-    def _print_Piecewise(self, expr: Expr) -> str:
+    def _print_Piecewise(self, expr: sp.Piecewise) -> str:
         (value, holds), *others = expr.args
         if holds == sp.true:
             return str(self._print(value))
         rest = self._print(expr.func(*others))
         return f"if {self._condition(holds)} then {self._print(value)} else {rest}"
 
-    def _condition(self, holds: Expr) -> str:
+    def _condition(self, holds: Condition) -> str:
         tests = {
             sp.StrictLessThan: "Rlt_dec",
             sp.StrictGreaterThan: "Rlt_dec",
             sp.LessThan: "Rle_dec",
             sp.GreaterThan: "Rle_dec",
         }
-        if type(holds) not in tests:
+        if not isinstance(holds, sp.core.relational.Relational) or type(holds) not in tests:
             raise Unsupported(f"a script in Coq has no condition {holds}")
         return f"{tests[type(holds)]} {self.whole(holds.lts)} {self.whole(holds.gts)}"

@@ -24,7 +24,7 @@ from stickslip_sym.certificates.coq.words import (
 )
 from stickslip_sym.certificates.python_printer import WIDTH
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Condition, Expr
 from stickslip_sym.formula.closed_form import ClosedForm
 
 
@@ -99,7 +99,11 @@ class Script:
         return rewrite_for_coq(sp.sympify(expr).xreplace({symbols.v: speed}), speed)
 
     def hypotheses(
-        self, letters: Iterable[Expr], excluded: Iterable[Expr], relations: Iterable[Expr] = (), label: str = ""
+        self,
+        letters: Iterable[Expr],
+        excluded: Iterable[Expr],
+        relations: Iterable[Condition] = (),
+        label: str = "",
     ) -> str:
         """Return what is assumed of letters: their signs, relations, and that no denominator vanishes."""
         lines = list[str]()

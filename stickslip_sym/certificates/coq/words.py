@@ -12,7 +12,7 @@ from math import gcd
 import sympy as sp
 
 from stickslip_sym.certificates.coq.printer import MADE, Unsupported
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Condition, Expr, Relation
 
 _HALF = sp.Rational(1, 2)
 _TELLS = 1e-9
@@ -175,7 +175,7 @@ def _write_by_roots(expr: Expr) -> Expr:
     def root(inside: Expr) -> Expr:
         radicand, divisor = square_free(inside)
         if is_monomial(radicand):
-            parts = sp.Mul.make_args(radicand)
+            parts: Sequence[Expr] = sp.Mul.make_args(radicand)
         else:
             parts = two_factors(radicand) or [radicand]
         return sp.Mul(*[call("sqrt", part) for part in parts]) / divisor
@@ -219,11 +219,11 @@ def square_free(inside: Expr) -> tuple[Expr, Expr]:
     return sp.expand(radicand), below / front
 
 
-def _factor_list(expr: Expr) -> list[tuple[Expr, int]]:
+def _factor_list(expr: Expr) -> list[tuple[Expr | int, int]]:
     constant, factors = sp.factor_list(expr)
-    numbers = [(constant, 1)]
-    if constant.is_Integer:
-        numbers = [(number, power) for number, power in sp.factorint(constant).items() if number != 1]
+    if not constant.is_Integer:
+        return [(constant, 1), *factors]
+    numbers = [(number, power) for number, power in sp.factorint(constant).items() if number != 1]
     return [*numbers, *factors]
 
 
@@ -280,15 +280,16 @@ def _divide_extremum(expr: Expr, factor: Expr) -> Expr:
     return sp.simplify(expr / factor)
 
 
-def place_in_condition(relation: Expr, speed: Expr) -> Expr:
+def place_in_condition(condition: Condition, speed: Expr) -> Expr:
     """Return the place of a condition speed < place, or speed <= place, which SymPy may turn round, or scale."""
-    difference = sp.expand(relation.lts - relation.gts)
-    rate = difference.coeff(speed)
     place = speed
-    if rate.is_positive:
-        place = sp.simplify(speed - difference / rate)
+    if isinstance(condition, sp.core.relational.Relational):
+        difference = sp.expand(condition.lts - condition.gts)
+        rate = difference.coeff(speed)
+        if rate.is_positive:
+            place = sp.simplify(speed - difference / rate)
     if place.has(speed):
-        raise Unsupported(f"a script in Coq has pieces for v < place, and none for {relation}")
+        raise Unsupported(f"a script in Coq has pieces for v < place, and none for {condition}")
     return place
 
 
@@ -298,8 +299,8 @@ def solve_conditions_for_speed(expr: Expr, speed: Expr) -> Expr:
     return expr.xreplace({node: _ordered(node, speed) for node in conditions})
 
 
-def _ordered(relation: Expr, speed: Expr) -> Expr:
-    kind = sp.LessThan
+def _ordered(relation: Relation, speed: Expr) -> Relation:
+    kind: type[Relation] = sp.LessThan
     if isinstance(relation, sp.StrictLessThan | sp.StrictGreaterThan):
         kind = sp.StrictLessThan
     return kind(speed, place_in_condition(relation, speed), evaluate=False)

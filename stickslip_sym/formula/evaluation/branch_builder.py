@@ -285,7 +285,7 @@ class _Builder:
         if not all(exponent.is_Integer for exponent in terms):
             return None
         step = math.gcd(*(int(e - low) for e in terms))
-        used = tuple(terms.get(e, 0.0) for e in range(low, high + 1, step))
+        used = tuple(terms.get(sp.Integer(e), 0.0) for e in range(int(low), int(high) + 1, step))
         small = _sum(low, step, ((None, used),))
         large = _sum(high, -step, ((None, used[::-1]),))
         return Branches((0.0, 1.0), (small, large))
@@ -317,9 +317,9 @@ class _Builder:
         rates = [
             -node.exp.coeff(symbols.v) for node in self.profile.atoms(sp.exp) if node.exp.is_polynomial(symbols.v)
         ]
-        rates = [float(rate) for rate in rates if rate.is_number and rate.is_positive]
-        if rates:
-            return [None, sp.exp(-sp.Rational(min(rates)) * symbols.v)]
+        decays = [float(rate) for rate in rates if rate.is_number and rate.is_positive]
+        if decays:
+            return [None, sp.exp(-sp.Rational(min(decays)) * symbols.v)]
         return [None]
 
     def _far_out(self) -> tuple[float, Branch] | None:
@@ -465,9 +465,9 @@ def _is_fast(function: Expr) -> bool:
 _OF_NUMPY = {name for name, text in NumPyPrinter().known_functions.items() if text.startswith("numpy.")}
 
 
-def _sum(power: Expr, variable: Expr, parts: Sequence[tuple[Expr | None, tuple[float, ...]]]) -> Sum:
+def _sum(power: Expr, variable: Expr | int, parts: Sequence[tuple[Expr | None, tuple[float, ...]]]) -> Sum:
     """Return a branch with its power as a float: far from r = 1 a factor restores what rounding took from it."""
-    if rest := float(power - binary_fraction(power)):
+    if rest := float(power - binary_fraction(float(power))):
         factor = 1 + rest * sp.log(symbols.V)
         parts = [(factor if f is None else factor * f, coefficients) for f, coefficients in parts]
     return Sum(float(power), float(variable), tuple(parts))
@@ -538,7 +538,7 @@ def _as_sum(closed: Expr) -> Sum | None:
     groups: dict[Expr, dict[int, Expr]] = {}
     for term in sp.Add.make_args(closed):
         coefficient, rest = term.as_independent(V, as_Add=False)
-        power = sp.Integer(0)
+        power = sp.S.Zero
         function = rest
         for factor in sp.Mul.make_args(rest):
             base, exponent = factor.as_base_exp()

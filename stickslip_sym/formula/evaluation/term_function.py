@@ -53,7 +53,7 @@ def _function_of_base(expr: Expr, arguments: Sequence[Expr]) -> Callable[[Sequen
     exact = all(term.is_Symbol or (-term).is_Symbol for term in terms) and len(terms) == 2
     one_sign = all(term.is_positive for term in terms) or all(term.is_negative for term in terms)
     if exact or one_sign or len(terms) == 1:
-        size = sp.Integer(0)
+        size = sp.S.Zero
     else:
         size = sp.Add(*[abs(term) for term in terms])
     function = alike(function_of(arguments, [expr, size], "numpy"), sp.Tuple(expr, size))

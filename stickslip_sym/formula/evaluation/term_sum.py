@@ -40,7 +40,7 @@ class TermSum:
 def _join_terms(terms: Sequence[Term]) -> list[Term]:
     """Write terms of one scale whose slopes cancel at rest, as of (1 + v) exp(-v), as one: it keeps its digits."""
     joined: list[Term] = []
-    groups: dict[tuple[Expr, Expr], list[Term]] = {}
+    groups: dict[tuple[Expr, Term | Expr], list[Term]] = {}
     for term in terms:
         amplitude = term.amplitude.as_coeff_Mul()[1]
         groups.setdefault((term.scale, term if term.shapes else amplitude), []).append(term)

@@ -5,6 +5,7 @@ is proved by differentiation wherever it is used, so a wrong rule cannot give a 
 """
 
 from collections.abc import Callable
+from typing import cast
 
 import sympy as sp
 
@@ -32,7 +33,7 @@ _HIGHEST_ROOT = 6  # of u, in rational functions
 
 def integrate_by_parts(polynomial: Expr, iterated_integral: Callable[[int], Expr], u: Expr) -> Expr:
     """Return sum_j (-1)^j polynomial^(j) ladder(j + 1), where ladder(j)' = ladder(j - 1)."""
-    total = sp.Integer(0)
+    total = sp.S.Zero
     sign = 1
     j = 1
     while polynomial != 0:
@@ -49,7 +50,7 @@ def integrate_by_parts(polynomial: Expr, iterated_integral: Callable[[int], Expr
 def antiderivative(rest: Expr, kernel: Expr, u: Expr) -> tuple[str, Expr] | None:
     """Return the names of the rules that integrate rest * kernel, term by term, and what they give, or None."""
     names = []
-    total = sp.Integer(0)
+    total = sp.S.Zero
     for part, constant in grouped(waves_apart(rest), u).items():
         by_rule = first_rule(_RULES, part, kernel, u)
         if by_rule is None:
@@ -73,7 +74,7 @@ def _integrate_repeatedly(polynomial: Expr, node: Expr, line: list[Expr], u: Exp
     if iterated_integral is None or (order and power != 1) or iterated_integral(x, n, 1) is None:
         return None
     return integrate_by_parts(
-        polynomial, lambda j: iterated_integral(x, n, j).subs(x, base.args[0]) / line[0] ** j, u
+        polynomial, lambda j: cast(Expr, iterated_integral(x, n, j)).subs(x, base.args[0]) / line[0] ** j, u
     )
 
 
@@ -111,16 +112,16 @@ def _reduced(polynomial: Expr, alpha: Expr, beta: Expr, u: Expr) -> tuple[Expr, 
 
     So A alpha w + the integral of remainder w is that of polynomial w, where (alpha w)' = beta w.
     """
-    total = sp.Integer(0)
+    total = sp.S.Zero
     left = sp.Poly(polynomial, u)
-    alpha = sp.Poly(alpha, u)
-    beta = sp.Poly(beta, u)
-    drop = max(alpha.degree() - 1, beta.degree())
+    above = sp.Poly(alpha, u)
+    below = sp.Poly(beta, u)
+    drop = max(above.degree() - 1, below.degree())
     while left.degree() >= drop and not left.is_zero:
         k = left.degree() - drop
-        step = sp.Poly(left.LC() / (k * alpha.nth(drop + 1) + beta.nth(drop)) * u**k, u)
+        step = sp.Poly(left.LC() / (k * above.nth(drop + 1) + below.nth(drop)) * u**k, u)
         total += step.as_expr()
-        left -= step.diff(u) * alpha + step * beta
+        left -= step.diff(u) * above + step * below
         left = sp.Poly({power: c for power, c in left.terms() if power[0] < k + drop} or {(0,): 0}, u)
     return total, left.as_expr()
 
@@ -182,7 +183,7 @@ def _lognormal(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
     if len(quadratic) != 3 or any(part.has(u) for part in quadratic) or not quadratic[0].is_negative:
         return None
     a, b, c = -quadratic[0], *quadratic[1:]
-    total = sp.Integer(0)
+    total = sp.S.Zero
     for (n,), front in sp.Poly(polynomial, u).terms():
         rate = n + 1 + b
         bell = sp.erf(sp.sqrt(a) * sp.log(u) - rate / (2 * sp.sqrt(a)))
@@ -249,7 +250,7 @@ def _power_of_logarithm(polynomial: Expr, node: Expr, u: Expr) -> Expr | None:
         return None
     if sp.expand(base - c + b * sp.log(u)) != 0:
         return None
-    total = sp.Integer(0)
+    total = sp.S.Zero
     for (n,), front in sp.Poly(polynomial, u).terms():
         m = (n + 1) / b
         total += front * sp.exp(m * c) * m ** -(p + 1) / b * sp.uppergamma(p + 1, m * base)
@@ -303,7 +304,7 @@ def _exponential_logarithm(polynomial: Expr, exponential: Expr, logarithm: Expr,
     inner = coefficients(logarithm.args[0], u)
     if logarithm.is_Pow or len(line) != 2 or len(inner) != 2 or inner[1] == 0:
         return None
-    whole = sp.factor_terms(_integrate_repeatedly(polynomial, exponential, line, u) / exponential)
+    whole = sp.factor_terms(integrate_by_parts(polynomial, lambda j: line[0] ** -j, u))
     left = _exponential_over_linear(whole, sp.diff(logarithm, u) * exponential, u)
     if left is None:
         return None
@@ -316,7 +317,7 @@ def _exponential_of_root(polynomial: Expr, error: Expr, exponential: Expr, u: Ex
     rate = sp.expand(error.args[0] ** 2) / u
     if error.is_Pow or len(line) != 2 or rate.has(u) or not rate.is_positive:
         return None
-    whole = sp.factor_terms(_integrate_repeatedly(polynomial, exponential, line, u) / exponential)
+    whole = sp.factor_terms(integrate_by_parts(polynomial, lambda j: line[0] ** -j, u))
     rest = sp.expand(whole * exponential * sp.diff(error, u))
     return _subtract_integral(whole * exponential * error, rest, u)
 
@@ -395,7 +396,7 @@ def _exponential_of_inverse(polynomial: Expr, node: Expr, u: Expr) -> Expr | Non
     if a.has(u) or not a.is_positive:
         return None
     x = a / u
-    total = sp.Integer(0)
+    total = sp.S.Zero
     top = 0
     if polynomial.has(u):
         top = int(sp.degree(polynomial, u))
@@ -412,7 +413,7 @@ def _exponential_erf(polynomial: Expr, erf: Expr, exponential: Expr, u: Expr) ->
     inner = coefficients(erf.args[0], u)
     if erf.is_Pow or len(line) != 2 or len(inner) != 2:
         return None
-    whole = sp.factor_terms(_integrate_repeatedly(polynomial, exponential, line, u) / exponential)
+    whole = sp.factor_terms(integrate_by_parts(polynomial, lambda j: line[0] ** -j, u))
     exponent = sp.expand(exponential.args[0] - erf.args[0] ** 2)
     left = _gaussian(
         sp.expand(2 * inner[0] / sp.sqrt(sp.pi) * whole), sp.exp(exponent), coefficients(exponent, u), u
@@ -442,7 +443,7 @@ def _reciprocal_of_logarithm(polynomial: Expr, node: Expr, u: Expr) -> Expr | No
         return None
     if not (line[0].is_positive and (line[1] - 1).is_nonnegative):
         return None
-    total = sp.Integer(0)
+    total = sp.S.Zero
     for (n,), front in sp.Poly(sp.expand(polynomial.subs(u, (w - line[1]) / line[0])), w).terms():
         total += front * sp.exp(-(n + 1) * c / b) * sp.Ei((n + 1) * (logarithm + c / b))
     return total / (b * line[0])
@@ -527,7 +528,7 @@ def _logarithm_over_linear(polynomial: Expr, factors: Expr, u: Expr) -> Expr | N
     if parts is None or len(line) != 2 or any(len(base) > 2 for _, base, _ in parts[1]):
         return None
     whole = _integral_of_polynomial(parts[0], u)
-    total = sp.Integer(0)
+    total = sp.S.Zero
     start = line[1] / line[0]
     for numerator, (_, s), power in parts[1]:
         if power > 1:

@@ -31,8 +31,8 @@ _HALF = sp.Rational(1, 2)
 def harmonic_average(rest: Expr, u: Expr, V: Expr) -> tuple[str, Expr] | None:
     """Return the name of the rule that averages a term and H[rest], or None; waves apart, each by its rule."""
     names = []
-    total = sp.Integer(0)
-    pole = sp.Integer(0)
+    total = sp.S.Zero
+    pole = sp.S.Zero
     for part, constant in grouped(waves_apart(rest), u).items():
         if (exponent := _exponent_over_speed(part, u)) is not None:
             rate, shift = exponent
@@ -117,7 +117,7 @@ def _average_over_linear(w: Expr, power: int, V: Expr) -> Expr:
         return 2 / (root * (root + w + V))
     x = sp.Dummy("w", positive=True)
     slope = sp.diff(2 * (x * (x + 2 * V)) ** sp.Rational(-3, 2), x, power - 2)
-    return ((-1) ** power * slope / sp.factorial(power - 1)).subs(x, w)
+    return (sp.S.NegativeOne**power * slope / sp.factorial(power - 1)).subs(x, w)
 
 
 def _average_over_quadratic(A: Expr, B: Expr, b: Expr, c: Expr, power: int, V: Expr) -> Expr:
@@ -128,7 +128,7 @@ def _average_over_quadratic(A: Expr, B: Expr, b: Expr, c: Expr, power: int, V: E
     real, double and complex zeros.
     """
     p, q, t, w = (sp.Dummy(name, positive=True) for name in "pqtw")
-    other = q
+    other: Expr = q
     if b == 0:
         other = p * (2 * t**2 - 1)
     value = A * (4 / (w * (t + 1)) - 4 * t / (q * (p + q))) + 4 * B * t * (b + 2 * V) / (p * q * (p + q) ** 2)
@@ -177,7 +177,11 @@ def _series(polynomial: Expr, factors: Expr, u: Expr, V: Expr) -> Expr | None:
     d of the exponential such series are of no use: mpmath has no asymptotic series for 3F3 and above, and for
     d = a/b with b > 1 the parts cancel about 0.43 (2 V/w)^d digits.
     """
-    q, upper, lower, d = sp.Integer(0), [], [], sp.Integer(2)  # front u^q pFq(upper; lower; z u^d)
+    # front u^q pFq(upper; lower; z u^d)
+    q = sp.S.Zero
+    upper: list[Expr] = []
+    lower: list[Expr] = []
+    d: Expr = sp.Integer(2)
     if (stretched := as_stretched(factors, u)) is not None:
         front, q, k, d = stretched
         z = -k
@@ -220,7 +224,7 @@ def _average_of_series(q: Expr, upper: list[Expr], lower: list[Expr], z: Expr, d
     """Average u^q pFq(upper; lower; z u^d), d = a/b: the sum over every b-th power of z, for b first powers."""
     a = int(d.p)
     b = int(d.q)
-    total = sp.Integer(0)
+    total = sp.S.Zero
     for start in range(b):
         first = b if q == 0 and start == 0 else start  # H[u^0] = 0
         p = q + d * first
@@ -368,7 +372,7 @@ def average_of_pieces(pieces: list[Expr], ends: list[Expr], u: Expr, V: Expr) ->
     """Return H of a term that is a polynomial in u, and in 1/u but on the first piece, i from end i to i + 1."""
     theta = sp.Dummy("theta", real=True)
     t = sp.Dummy("t")
-    zero = sp.Integer(0)
+    zero = sp.S.Zero
     primitives = [zero]
     for number, piece in enumerate(pieces):
         polynomial = zero

@@ -35,15 +35,16 @@ def first_rule(rules: Sequence[Rule], rest: Expr, kernel: Expr, u: Expr, *more: 
     factors.sort(key=lambda factor: str(factor.func))
     functions = [_function_of_power(factor) for factor in factors]
     for name, kinds, apply, degree in rules:
-        given = factors
+        given: list[Expr | list[Expr]] = [*factors]
         if kinds is None:
             given = [sp.Mul(*factors)]
         if kinds is not None and not (len(kinds) == len(factors) and all(map(isinstance, functions, kinds))):
             continue
         if degree is not None:
-            given = [*factors, coefficients(functions[0].args[0], u)]
-            if len(given[-1]) != degree + 1:
+            line = coefficients(functions[0].args[0], u)
+            if len(line) != degree + 1:
                 continue
+            given = [*factors, line]
         result = apply(polynomial * kernel, *given, u, *more)
         if result is not None:
             return name, result
@@ -87,7 +88,7 @@ def as_power(node: Expr, u: Expr) -> tuple[Expr, Expr, Expr, Expr] | None:
     base, p = node.as_base_exp()
     line = coefficients(base, u)
     if len(line) == 2 and not (p.has(u) or p.is_integer):
-        return (base, *line, p)
+        return base, line[0], line[1], p
     return None
 
 
@@ -131,7 +132,7 @@ def partial_fractions(rest: Expr, u: Expr) -> tuple[Expr, list[tuple[Expr, list[
     """
     if not rest.is_rational_function(u):
         return None
-    polynomial = sp.Integer(0)
+    polynomial = sp.S.Zero
     fractions = []
     for term in sp.Add.make_args(sp.apart(sp.together(rest), u)):
         numerator, denominator = sp.fraction(sp.factor(term))

@@ -47,14 +47,14 @@ def search_antiderivative(f: Expr, polynomial: Expr, x: Expr, calls: int = _CALL
     return sp.Add(*[coefficient * value for (_, coefficient), value in zip(terms, result, strict=True)])
 
 
-def _done(expr: Expr, calls: int) -> Expr:
+def _done(exprs: Expr, calls: int) -> sp.Tuple:
     """Carry out integrals by SymPy."""
     left = time_left()
     try:
         # On any exception, Ctrl-C included, `run` kills the process and waits for it.
         done = subprocess.run(
             [sys.executable, "-m", __name__],
-            input=pickle.dumps((expr, calls)),
+            input=pickle.dumps((exprs, calls)),
             capture_output=True,
             env={**os.environ, **_SAME_HASHES},
             timeout=None if math.isinf(left) else max(left, 0.0),
@@ -68,7 +68,7 @@ def _done(expr: Expr, calls: int) -> Expr:
         if said:
             why = f": {said[-1][:200]}"
         raise NothingFound(f"{RULE} failed without a look at it: its process ended with {done.returncode}{why}")
-    result = pickle.loads(done.stdout)
+    result: sp.Tuple | str = pickle.loads(done.stdout)
     if isinstance(result, str):
         raise NothingFound(f"{RULE} {result}")
     return result

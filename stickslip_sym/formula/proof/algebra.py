@@ -163,11 +163,13 @@ class Algebra:
                 slope = self.slopes.get(self.ring.gens[index])
                 square = self._squares.get(index)
                 derivative = None if slope is None else slope()
-                texts = (derivative and self.by_names(derivative), square and self._with(self._names, square))
-                rows[index] = Generator(self._names[index], self._meanings[index], *texts)
-                for part in (derivative and derivative.polynomial, square):
-                    if part is not None:
-                        add(part)
+                written = None if derivative is None else self.by_names(derivative)
+                squared = None if square is None else self._with(self._names, square)
+                rows[index] = Generator(self._names[index], self._meanings[index], written, squared)
+                if derivative is not None:
+                    add(derivative.polynomial)
+                if square is not None:
+                    add(square)
 
         for a in elements:
             add(a.polynomial)
@@ -237,7 +239,7 @@ class Algebra:
             self._seen[base, index] = self._power(base**exponent, base, exponent, square.polynomial)
         return self._seen[base, index]
 
-    def _hypergeometric(self, expr: Expr, upper: Expr, lower: Expr, z: Expr) -> Element:
+    def _hypergeometric(self, expr: Expr, upper: Sequence[Expr], lower: Sequence[Expr], z: Expr) -> Element:
         """Return F, of the generators F, theta F, theta^2 F, ..., theta = z d/dz."""
         if len(upper) == 1 and not lower:
             return self.of((1 - z) ** -upper[0])

@@ -14,7 +14,7 @@ import sympy as sp
 from flint import acb, arb
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Condition, Expr
 from stickslip_sym.core.balls import ball, ball_value
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged
@@ -45,7 +45,7 @@ _BITS_OF_GATE, _MOST_GATE_BITS = 100, 600  # of these digits; of working precisi
 _NEARLY_AT_REST = sp.Rational(1, 10**6)  # of the belt speed, where a profile is looked at
 
 
-def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequence[Expr] = ()) -> Verdict:
+def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequence[Condition] = ()) -> Verdict:
     """Compare a formula F(V) for the average of a profile g(v) with its definition at seeded log-uniform points.
 
     Points at which the profile has no real value, or a side is not known to `GATE_DIGITS` digits, say nothing, nor

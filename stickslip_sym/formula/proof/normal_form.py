@@ -13,7 +13,7 @@ _MOST_SUM_TERMS = 8
 _BOUND = sp.Dummy("xi", real=True)  # the variable of every integral in normal form
 
 
-def single_limit(integral: Expr) -> tuple[Expr, Expr, Expr]:
+def single_limit(integral: sp.Integral) -> tuple[Expr, Expr, Expr]:
     """Return the variable and the limits of a definite integral over one variable."""
     if len(integral.limits) != 1 or len(integral.limits[0]) != 3:
         raise ValueError(f"{integral} is not a definite integral over one variable")
@@ -91,7 +91,7 @@ def _contiguous(expr: Expr) -> Expr:
     return expr.xreplace(replaced)
 
 
-def _is_shifted(node: Expr, lower: Expr) -> bool:
+def _is_shifted(node: sp.hyper, lower: sp.hyper) -> bool:
     """Whether the parameters of a node are those of another function, each one higher."""
     (x, y) = node.ap
     (w,) = node.bq
@@ -132,7 +132,7 @@ def plain(expr: Expr) -> Expr:
     return expr.replace(lambda node: isinstance(node, sp.Min | sp.Max), _factor_out_of_extremum)
 
 
-def _elementary_hypergeometric(node: Expr) -> Expr:
+def _elementary_hypergeometric(node: sp.hyper) -> Expr:
     """Return a hypergeometric function elementarily where it is elementary, its argument in lowest terms."""
     z = node.argument
     if z.is_rational_function() and not z.is_number:
@@ -203,7 +203,7 @@ def _opaque(node: Expr) -> Expr:
     return sp.Symbol(f"[{sp.srepr(node)}]", nonnegative=node.is_nonnegative, positive=node.is_positive)
 
 
-def _split(integral: Expr) -> Expr:
+def _split(integral: sp.Integral) -> Expr:
     """Split an integral over its sum, do the polynomial parts, and give the others one notation.
 
     That is: limits from low to high, and one name for the variable of integration.
@@ -214,7 +214,7 @@ def _split(integral: Expr) -> Expr:
     sign = 1
     if sp.default_sort_key(low) > sp.default_sort_key(high):
         low, high, sign = high, low, -1
-    total = sp.Integer(0)
+    total = sp.S.Zero
     for term in sp.Add.make_args(expand_above(integral.function.subs(variable, _BOUND))):
         constant, rest = term.as_independent(_BOUND, as_Add=False)
         part = sp.Integral(rest, (_BOUND, low, high))

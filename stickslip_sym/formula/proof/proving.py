@@ -13,13 +13,14 @@ import random
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any
 
 import sympy as sp
 from flint import acb, arb
 from sympy.core.function import AppliedUndef
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Condition, Expr
 from stickslip_sym.core.balls import ball, ball_function, integrated
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.precision import refined
@@ -130,11 +131,11 @@ def _vanishes(difference: Expr) -> bool:
     outer = _conditions(nodes[-1])
     together = [node for node in nodes if _conditions(node) == outer]
     return all(
-        _vanishes(difference.xreplace({node: node.args[i].expr for node in together})) for i in range(len(outer))
+        _vanishes(difference.xreplace({node: node.args[i][0] for node in together})) for i in range(len(outer))
     )
 
 
-def _conditions(node: Expr) -> list[Expr]:
+def _conditions(node: sp.Piecewise) -> list[Expr | Condition]:
     """Return the conditions of a function in pieces, each a < b as b - a."""
     conditions = [holds for _, holds in node.args]
     return [sp.cancel(holds.gts - holds.lts) if isinstance(holds, _STRICT) else holds for holds in conditions]
@@ -192,7 +193,7 @@ def _random_points(*sides: Expr) -> list[dict[Expr, Expr]]:
     w = sp.Symbol("w", real=True)
     points = []
     for number in range(_RANDOM_POINTS):
-        point: dict[Expr, Expr] = {}
+        point: dict[Any, Expr] = {}
         either = 0  # symbols so far that may have either sign
         for symbol in symbols:
             value = sp.Rational(rng.randint(3, 40), rng.randint(7, 13))
@@ -235,9 +236,9 @@ def _value(expr: Expr, point: Mapping[Expr, Expr]) -> acb:
     if expr.has(AppliedUndef):
         raise NotConverged(f"{expr} holds a function without a value")
     values = {key: value for key, value in point.items() if not isinstance(value, sp.Lambda)}
-    integrals = expr.atoms(sp.Integral)
-    inner = set().union(*(arg.atoms(sp.Integral) for node in integrals for arg in node.args))
-    outer = {node: sp.Dummy(real=True) for node in integrals - inner}
+    found = expr.atoms(sp.Integral)
+    inner = set().union(*(arg.atoms(sp.Integral) for node in found for arg in node.args))
+    outer = {node: sp.Dummy(real=True) for node in found - inner}
     expr = expr.xreplace(outer).xreplace(values)
     if expr.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
         raise ZeroDivisionError

@@ -23,7 +23,7 @@ By: TypeAlias = Callable[[Expr], Expr]
 def _replace_integrals(variable: Expr, expr: Expr, change: Callable[..., Expr]) -> Expr:
     """Replace every integral over a variable; `change` takes its integrand and its limits."""
 
-    def changed(integral: Expr) -> Expr:
+    def changed(integral: sp.Integral) -> Expr:
         integrated, low, high = single_limit(integral)
         if integrated == variable:
             return change(integral.function, low, high)
@@ -92,7 +92,10 @@ class PieceByPiece:
         if len(pieces) != len(self.primitives):
             raise ValueError(f"{len(self.primitives)} antiderivatives for {len(pieces)} pieces")
         ends = pairwise(ends_of_pieces(places, high, low))
-        return [(*pair, *end) for *pair, end in zip(self.primitives, pieces, ends, strict=True)]
+        return [
+            (primitive, piece, low, high)
+            for primitive, piece, (low, high) in zip(self.primitives, pieces, ends, strict=True)
+        ]
 
     def __call__(self, expr: Expr) -> Expr:
         """Apply the fundamental theorem of calculus on each piece, after differentiating its primitive."""
@@ -123,7 +126,7 @@ def ends_of_pieces(places: Sequence[Expr], high: Expr, low: Expr = sp.S.Zero) ->
 
 def _pieces(integrand: Expr, x: Expr) -> tuple[list[Expr], list[Expr]]:
     """Return the pieces of an integrand and the places where they end, which do not move with x."""
-    if not all(node.args[-1].cond == sp.true for node in integrand.atoms(sp.Piecewise)):
+    if not all(node.args[-1][1] == sp.true for node in integrand.atoms(sp.Piecewise)):
         raise ValueError(f"{integrand} is not known everywhere")
     exchange = {x: symbols.v, symbols.v: x}
     pieces, places = (

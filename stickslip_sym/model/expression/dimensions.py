@@ -19,7 +19,7 @@ from stickslip_sym.output.printing import text
 _CALL = re.compile(r"\w\s*\(")
 _ALLOWED = "write a product of powers of m, s, kg and N, or 1"
 _M, _S, _KG = _BASE = sp.symbols("[m] [s] [kg]", positive=True)
-_UNITS = {"m": _M, "s": _S, "kg": _KG, "N": _KG * _M / _S**2}
+_UNITS: dict[str, Expr] = {"m": _M, "s": _S, "kg": _KG, "N": _KG * _M / _S**2}
 _PURE = frozenset(map(sp.Rational, ("1", "-1", "2", "-2", "1/2", "-1/2")))
 """Numbers that carry no unit; another, such as 0.3 in 0.5 - 0.3*v, may."""
 
@@ -65,7 +65,7 @@ class _Dimensions:
         self.units = {symbol: sp.Add(*(base * of[base] for base in _BASE)) for symbol, of in powers.items()}
         self.solved: dict[Expr, Expr] = {}
 
-    def __call__(self, node: Expr, parts: list[Expr]) -> Expr:
+    def __call__(self, node: Expr, parts: list[Expr | None]) -> Expr | None:
         if node.is_Symbol:
             return self.units.setdefault(node, sp.Dummy(f"unit of {node}"))
         if not parts:
@@ -77,12 +77,12 @@ class _Dimensions:
                 self.require_pure(parts[1], f"the exponent {text(node.exp)}")
             return (parts[0] or 0) * node.exp
         if node.is_Add or isinstance(node, sp.Piecewise | sp.Min | sp.Max | sp.core.relational.Relational):
-            first, *others = [part for part in parts if part is not None] or [None]
-            for other in others:
-                self.require_pure(other - first, f"a ratio of parts of {text(node)}")
-            if isinstance(node, sp.core.relational.Relational):
+            known = [part for part in parts if part is not None]
+            for other in known[1:]:
+                self.require_pure(other - known[0], f"a ratio of parts of {text(node)}")
+            if isinstance(node, sp.core.relational.Relational) or not known:
                 return None
-            return first
+            return known[0]
         for part in parts:
             self.require_pure(part, f"the argument of {text(node)}")
         return sp.S.Zero

@@ -12,7 +12,7 @@ from typing import NamedTuple, TypeAlias
 import sympy as sp
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Condition, Expr, Relation
 from stickslip_sym.core.balls import place_at, resolve_kinks
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import power, row
@@ -29,17 +29,17 @@ _MOST_PIECES = 64
 # -- the pieces of an expression -------------------------------------------------------------------
 
 
-def kinked(expr: Expr) -> list[Expr]:
+def kinked(expr: Expr) -> list[sp.Piecewise]:
     """Return the nodes of an expression that are in pieces of v."""
     return [node for node in sp.ordered(expr.atoms(sp.Piecewise)) if node.has(symbols.v)]
 
 
-def place_of(relation: Expr) -> Expr:
+def place_of(relation: Relation) -> Expr:
     """Return the place of v < place, which SymPy may turn round into place > v or -place < -v."""
     return relation.gts if relation.lts == symbols.v else -relation.lts
 
 
-def _end_of_condition(holds: Expr) -> Expr | None:
+def _end_of_condition(holds: Condition) -> Expr | None:
     """Return the place of a condition v < place; None where it is always true."""
     # SymPy joins the conditions of pieces that became equal by Or.
     if holds == sp.true:
@@ -47,7 +47,7 @@ def _end_of_condition(holds: Expr) -> Expr | None:
     return sp.Max(*map(place_of, holds.atoms(*RELATIONS)))
 
 
-def _branches_and_ends(node: Expr) -> Cases:
+def _branches_and_ends(node: sp.Piecewise) -> Cases:
     """Return the branches of a Piecewise, and where each ends."""
     return [(branch, _end_of_condition(holds)) for branch, holds in node.args]
 
@@ -126,7 +126,7 @@ def mean_slope_at_kinks(slope: Expr) -> Expr:
 
     def with_mean(term: Expr) -> Expr:
         pieces, ends = pieces_of(term)
-        cases: Cases = []
+        cases: list[tuple[Expr, Condition]] = []
         for (left, right), place in zip(pairwise(pieces), ends, strict=True):
             cases += [(left, symbols.v < place), ((left + right) / 2, symbols.v <= place)]
         return sp.Piecewise(*cases, (pieces[-1], True))
@@ -242,12 +242,12 @@ def sign(expr: Expr) -> Expr:
         if not (value := sp.sign(expr)).is_number:
             raise InputError("sign(...) of parameters alone; write what it is, 1 or -1")
         return value
-    return _select(sp.Integer(1), sp.Integer(-1), expr, sp.Max)
+    return _select(sp.Max, sp.Integer(1), sp.Integer(-1), expr)
 
 
 def smaller(first: Expr, second: Expr) -> Expr:
     """Return the smaller of two expressions, in pieces, as `larger` does."""
-    return _select(second, first, first - second, sp.Min)
+    return _select(sp.Min, second, first, first - second)
 
 
 def larger(first: Expr, second: Expr) -> Expr:
@@ -256,14 +256,14 @@ def larger(first: Expr, second: Expr) -> Expr:
     The place where their difference changes sign has to be known: it is linear in v, A*v^p + B, or so within a
     function that rises, and A has a known sign.
     """
-    return _select(first, second, first - second, sp.Max)
+    return _select(sp.Max, first, second, first - second)
 
 
-def _select(above: Expr, below: Expr, difference: Expr, constant: type[Expr]) -> Expr:
+def _select(constant: type[Expr], above: Expr, below: Expr, difference: Expr) -> Expr:
     """Return `above` where a difference is positive, else `below`; `constant` selects where v has no part."""
     three = sp.Tuple(above, below, difference)
     if kinked(three):
-        return piecewise([(_select(a, b, gap, constant), place) for (a, b, gap), place in _smooth_cases(three)])
+        return piecewise([(_select(constant, *case.args), place) for case, place in _smooth_cases(three)])
     if difference.is_nonnegative or difference.is_nonpositive:
         return above if difference.is_nonnegative else below
     # Expanding could take very long; a difference that is linear has a slope without v as it stands.
@@ -282,7 +282,7 @@ def _select(above: Expr, below: Expr, difference: Expr, constant: type[Expr]) ->
         if slope.is_negative:
             return piecewise([(above, place), (below, None)])
     elif (simpler := _simplify_same_sign(difference)) is not None:
-        return _select(above, below, simpler, constant)
+        return _select(constant, above, below, simpler)
     raise InputError(
         "Abs, Min, Max and sign need arguments that differ by a linear function of v, by A*v^p + B, or by such a "
         "function of it as A*exp(-v/v_0) + B, with a slope of known sign; write Piecewise((..., v < place), ...) "

@@ -97,9 +97,9 @@ def features_of(
         rates = {i: sp.diff(argument, free[i]) for i in moving(argument)}
         span = sp.Abs(argument.subs(symbols.v, float(speeds[-1])) - argument.subs(symbols.v, float(speeds[0])))
         add(span, radians, [(i, rate) for i, rate in rates.items() if not rate.has(symbols.v)][:1], breaks=False)
-    for node in sp.ordered(expr.atoms(sp.Add)):
-        if node.is_polynomial(symbols.v) and (degree := sp.degree(node, symbols.v)) in (1, 2):
-            highest, lower = sp.Poly(node, symbols.v).all_coeffs()[:2]
+    for total in sp.ordered(expr.atoms(sp.Add)):
+        if total.is_polynomial(symbols.v) and (degree := sp.degree(total, symbols.v)) in (1, 2):
+            highest, lower = sp.Poly(total, symbols.v).all_coeffs()[:2]
             add(-lower / (degree * highest), middles, breaks=False)
     return features
 
