@@ -598,7 +598,8 @@ def elementary(expr: ExprOrCondition) -> ExprOrCondition:
 
 def functions_in_laws() -> dict[str, Function]:
     """Return the functions that a friction law may have, by every name that is read."""
-    return {name: row for row in FUNCTIONS.values() if row.in_laws for name in (row.name, *row.aliases)}
+    rows = [row for row in FUNCTIONS.values() if row.in_laws]
+    return {name: row for row in rows for name in (row.name, *row.aliases)}
 
 
 def arguments(expr: Expr) -> Sequence[Expr]:

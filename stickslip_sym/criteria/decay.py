@@ -103,8 +103,9 @@ def start_of(mu: Expr, point: Mapping[Expr, Expr], reach: arb, bits: int) -> arb
 
 def decay_at_rest(mu: Expr, point: Mapping[Expr, Expr]) -> Decay | None:
     """Return the slowest exponential by which a smooth coefficient, or a term of it, vanishes at rest."""
-    decays = [decay for node in mu.atoms(sp.exp) if (decay := _leading_decay(node, point)) is not None]
-    return min(decays, key=lambda decay: (decay.order, decay.rate), default=None)
+    decays = [_leading_decay(node, point) for node in mu.atoms(sp.exp)]
+    known = [decay for decay in decays if decay is not None]
+    return min(known, key=lambda decay: (decay.order, decay.rate), default=None)
 
 
 def _leading_decay(node: Expr, point: Mapping[Expr, Expr]) -> Decay | None:

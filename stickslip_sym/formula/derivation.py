@@ -201,9 +201,13 @@ def _sentence_latex(
 
 def _hat_scaled_speeds(step: Step, names: Mapping[str, str]) -> dict[str, str]:
     """Return names with a hat on each speed that is in units of a scale, so that a letter means one thing."""
-    scaled = {speed.name for meaning in step.meanings for speed in (v, V) if meaning.get(speed, speed) != speed}
     usual = notation_of(QUANTITIES) | dict(names)
-    return dict(names) | {name: f"\\hat{{{usual[name]}}}" for name in scaled}
+    hats = dict(names)
+    for meaning in step.meanings:
+        for speed in (v, V):
+            if meaning.get(speed, speed) != speed:
+                hats[speed.name] = f"\\hat{{{usual[speed.name]}}}"
+    return hats
 
 
 def _units(step: Step, names: Mapping[str, str], written: Mapping[str, str]) -> str:

@@ -389,7 +389,10 @@ def speed_scales(expr: Expr, v: Expr) -> list[Expr]:
     In a sum of monomials a v^p that is the speed at which two of them balance, in a power (a v)^p and in the
     argument of a function the speed at which it is 1, and of pieces the places between them.
     """
-    scales = [scale for node in sp.postorder_traversal(expr) if node.has(v) for scale in _scales_of(node, v)]
+    scales = list[Expr]()
+    for node in sp.postorder_traversal(expr):
+        if node.has(v):
+            scales += _scales_of(node, v)
     return [scale for scale in dict.fromkeys(scales) if not scale.has(v) and scale != 0]
 
 

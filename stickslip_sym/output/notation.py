@@ -53,7 +53,8 @@ def _base(word: str) -> str:
 def notation_of(names: Iterable[str], given: Mapping[str, str] | None = None) -> dict[str, str]:
     """Return the LaTeX of each name, what is given in its place; refuse two symbols that would look the same."""
     names = set(names)
-    chosen = {name: latex for name in sorted(names) if (latex := (given or {}).get(name)) is not None}
+    given = given or {}
+    chosen = {name: given[name] for name in sorted(names) if given.get(name) is not None}
     for name, latex in chosen.items():
         _check(name, latex)
     notation = distinct_notation(names - set(chosen), {}) | chosen

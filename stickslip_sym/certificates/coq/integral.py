@@ -274,7 +274,10 @@ class Integral(Script):
         at: list[Mapping[Expr, Expr]] = [{self.u: end} for end in ends]
         radicands = [root.args[0].subs(letters) for root in moving for letters in at]
         made = [square_free(y) for y in radicands if y != 0]
-        factors = [factor for y, _ in made if y != 1 for factor in sp.Mul.make_args(y)]
+        factors = list[Expr]()
+        for y, _ in made:
+            if y != 1:
+                factors += sp.Mul.make_args(y)
         fixed = [root for root in roots_of(*primitives) if not root.has(self.u)]
         facts, using = self.facts(roots_of(value, *fixed, *map(sp.Function("sqrt"), factors)))
         moves = ["value sqrt 0 by equal", "rewrite ?sqrt_0"] if 0 in radicands else []

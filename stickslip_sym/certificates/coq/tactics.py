@@ -153,7 +153,9 @@ class Script:
         written = [generators.of(expr) for expr in exprs]
         require_independent(roots_of(*written))
         radicands = [square_free(root.args[0])[0] for root in roots_of(*exprs)]
-        parts = [part for radicand in radicands if is_monomial(radicand) for part in radicand.args]
+        parts = list[Expr]()
+        for radicand in filter(is_monomial, radicands):
+            parts += radicand.args
         roots = [*roots_of(*written), *map(sp.Function("sqrt"), sorted(parts, key=str))]
         facts, using = self.facts(list(dict.fromkeys(roots)))
         tactics = [*moves, *self.rewritten(generators, *exprs)]

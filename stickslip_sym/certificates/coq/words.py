@@ -232,7 +232,7 @@ def _factor_list(expr: Expr) -> list[tuple[Expr | int, int]]:
 
 def functions_of(*exprs: Expr) -> list[Expr]:
     """Return the functions of formulas, inner ones first."""
-    nodes = {node for expr in exprs for node in sp.preorder_traversal(expr) if isinstance(node, sp.Function)}
+    nodes = {node for expr in exprs for node in expr.atoms(sp.Function)}
     nodes = {node for node in nodes if not isinstance(node, sp.Min | sp.Max | sp.Piecewise)}
     return sorted(nodes, key=lambda node: (len(node.atoms(sp.Function)), str(node)))
 
@@ -308,7 +308,7 @@ def _ordered(relation: Relation, speed: Expr) -> Relation:
 
 def places_of(expr: Expr, speed: Expr) -> list[Expr]:
     """Return the places of the pieces of an expression."""
-    conditions = {holds for node in expr.atoms(sp.Piecewise) for _, holds in node.args if holds != sp.true}
+    conditions = {holds for node in expr.atoms(sp.Piecewise) for _, holds in node.args} - {sp.true}
     return sorted({place_in_condition(holds, speed) for holds in conditions}, key=str)
 
 
@@ -333,7 +333,8 @@ def require_regular(speed: Expr, *exprs: Expr, at_rest: bool) -> None:
 
     The tactic for positivity knows the signs of letters, and quadratic polynomials with numbers for coefficients.
     """
-    for node in {node for expr in exprs for node in sp.preorder_traversal(expr) if node.has(speed)}:
+    nodes = {node for expr in exprs for node in sp.preorder_traversal(expr)}
+    for node in {node for node in nodes if node.has(speed)}:
         name = node.func.__name__
         inside = node.args[0] if node.args else node
         if at_rest and name == "power" and not node.args[0].is_positive:

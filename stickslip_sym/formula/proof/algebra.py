@@ -56,7 +56,8 @@ class Element:
         """Its derivative by the variable."""
         algebra = self.algebra
         variable = algebra.field.gens[0]
-        terms = {m: d for m, c in self.polynomial.items() if (d := c.diff(variable)) != 0}
+        slopes = {m: c.diff(variable) for m, c in self.polynomial.items()}
+        terms = {m: slope for m, slope in slopes.items() if slope != 0}
         total = Element(algebra, algebra.ring.from_dict(terms))
         for generator, slope in algebra.slopes.copy().items():
             if (part := self.polynomial.diff(generator)) != 0:
@@ -157,8 +158,8 @@ class Algebra:
         rows: dict[int, Generator] = {}
 
         def add(polynomial: PolyElement) -> None:
-            for index in sorted({i for monomial in polynomial for i, power in enumerate(monomial) if power}):
-                if index in rows:
+            for index, powers in enumerate(zip(*polynomial, strict=True)):
+                if index in rows or not any(powers):
                     continue
                 slope = self.slopes.get(self.ring.gens[index])
                 square = self._squares.get(index)

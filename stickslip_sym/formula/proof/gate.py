@@ -54,7 +54,9 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
     """
     rng = random.Random(_GATE_SEED)
     exponents = {node.exp for node in profile.atoms(sp.Pow)}
-    exponents |= {symbol for node in profile.atoms(sp.exp) if node.has(sp.log) for symbol in node.free_symbols}
+    for node in profile.atoms(sp.exp):
+        if node.has(sp.log):
+            exponents |= node.free_symbols
     compared = 0
     enclosed = True
     for _ in range(_MOST_DRAWS):

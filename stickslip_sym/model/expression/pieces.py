@@ -116,9 +116,8 @@ def pieces_of(term: Expr) -> tuple[list[Expr], list[Expr]]:
 @lru_cache  # laws with other values share them
 def places(expr: Expr) -> tuple[Expr, ...]:
     """Return the places of all kinks and jumps in an expression, as they stand there."""
-    return tuple(
-        dict.fromkeys(end for node in kinked(expr) for _, end in _branches_and_ends(node) if end is not None)
-    )
+    ends = dict.fromkeys(end for node in kinked(expr) for _, end in _branches_and_ends(node))
+    return tuple(end for end in ends if end is not None)
 
 
 def mean_slope_at_kinks(slope: Expr) -> Expr:

@@ -535,11 +535,13 @@ def _layout_of_chosen(lines: Sequence[_Line], name: str) -> _Layout:
     if not widths:
         raise InputError(f"{name} has no rows of numbers in columns; write a line for each, like 0.1,0.35")
     whole, mark, count = max(widths, key=lambda width: (width[0], widths[width]))
-    first = next(
-        i for i, line in enumerate(rows)
-        if len(cells := _names(line.text, mark)) == count
-        and (all if whole else any)(is_value(cell) for cell in cells if cell)
-    )  # fmt: skip
+    enough = all if whole else any
+
+    def holds_numbers(line: _Line) -> bool:
+        cells = _names(line.text, mark)
+        return len(cells) == count and enough(is_value(cell) for cell in cells if cell)
+
+    first = next(i for i, line in enumerate(rows) if holds_numbers(line))
     above = lines[: lines.index(rows[first])]
     wide = [(line, _names(line.text, mark)) for line in above if _is_as_wide(line.text, rows[first].text, mark)]
     if not wide:
@@ -649,7 +651,7 @@ def _fill(table: Table, rows: Sequence[_Row], header: list[str], separator: str)
     read = {column.number - 1: quantity for quantity, column in table.columns.items() if not column.value}
     if separator == ",":  # a comma in a cell is one in quotes
         rows = _drop_thousands(rows, read)
-    sign = _decimal_sign([row[i] for _, row in rows for i in read if i < len(row)], table.name)
+    sign = _decimal_sign(_cells_of_columns(rows, read), table.name)
     table.written += f", decimal {'comma' if sign == ',' else 'point'}"
     looked_at = [row for _, row in rows[:_LOOKED_AT] if len(row) >= count]
     numeric = [  # a word in another column of numbers, like Mean, says that a row is none of measurements
@@ -724,9 +726,17 @@ def _refuse_second_table(table: Table, rows: Sequence[_Row], separator: str) -> 
             )
 
 
+def _cells_of_columns(rows: Sequence[_Row], numbers: Iterable[int]) -> list[str]:
+    """Return the cells of some columns, row by row, of rows that are wide enough."""
+    cells = list[str]()
+    for _, row in rows:
+        cells += [row[i] for i in numbers if i < len(row)]
+    return cells
+
+
 def _drop_thousands(rows: Sequence[_Row], read: Iterable[int]) -> Sequence[_Row]:
     """Return rows without commas between thousands, where points say that commas are no decimal signs."""
-    cells = [row[i] for _, row in rows for i in read if i < len(row)]
+    cells = _cells_of_columns(rows, read)
     commas = [cell for cell in cells if "," in cell]
     pointed = any("." in cell for cell in cells) or any(cell.count(",") > 1 for cell in commas)
     if not (commas and pointed and all(map(_THOUSANDS.fullmatch, commas))):

@@ -29,16 +29,17 @@ def split_values(
     """
     names = list(header)
     count = len(header)
-    first = next((row for _, row in rows if len(row) >= count and not any(row[count:])), None)
-    if first is None or not any(header):
+    wide = [i for i, (_, row) in enumerate(rows) if len(row) >= count and not any(row[count:])]
+    if not wide or not any(header):
         return names, rows
+    first = rows[wide[0]][1]
     split = [column for column in range(count) if is_value(first[column]) and not _PLAIN.fullmatch(first[column])]
     if not split:
         return names, rows
-    wide = [i for i, (_, row) in enumerate(rows) if len(row) >= count and not any(row[count:])]
     cells = [(line, list(row)) for line, row in rows]
     for column in split:
-        matches = {i: match for i in wide if (match := _VALUE.fullmatch(cells[i][1][column])) is not None}
+        values = {i: _VALUE.fullmatch(cells[i][1][column]) for i in wide}
+        matches = {i: match for i, match in values.items() if match is not None}
         units = {match["unit"] for match in matches.values()}
         have_errors = {_error(match) is not None for match in matches.values()}
         if len(units) > 1 or len(have_errors) > 1:

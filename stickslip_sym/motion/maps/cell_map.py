@@ -51,7 +51,8 @@ class CellMap(ResultsOverAxes):
 
     def count(self) -> dict[Motion, int]:
         """Return the number of cells of each motion, where there are any."""
-        return {motion: n for motion in Motion if (n := int((self.motion == motion).sum()))}
+        counts = {motion: int((self.motion == motion).sum()) for motion in Motion}
+        return {motion: count for motion, count in counts.items() if count}
 
     def regions(self) -> tuple[IntArray, list[Region]]:
         """Return for each cell the place of its region in a list of those that occur."""
