@@ -69,7 +69,8 @@ def _script_lines(
         yield f'{", ".join(group)} = {maker}("{" ".join(group)}", {kind}=True)'
     for function in functions:
         yield f'{function} = sp.Function("{function}", real=True)  # any function'
-    solved, rights = None, dict[str, str]()  # right sides, and their names
+    solved = None
+    rights = dict[str, str]()  # right sides, and their names
 
     def text(expr: Expr) -> str:
         """Return an expression in code, earlier right sides in it by their names."""

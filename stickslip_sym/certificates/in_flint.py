@@ -117,7 +117,9 @@ class _Flint(StrPrinter):  # type: ignore[misc]  # SymPy is untyped
 
     def __init__(self, names: Mapping[Expr, str], methods: Set[str]) -> None:
         super().__init__()
-        self.names, self.methods, self.used = names, methods, set[str]()
+        self.names = names
+        self.methods = methods
+        self.used = set[str]()
 
     def doprint(self, expr: Expr) -> str:
         """Return an expression with its operators parted by blanks."""

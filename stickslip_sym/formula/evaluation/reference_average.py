@@ -476,12 +476,14 @@ class MeanSlope:
         functions = [slope]
         if self._local:
             # At one point the rounding of r itself counts.
-            self._p, self._w = np.ones(1), np.ones(1)
+            self._p = np.ones(1)
+            self._w = np.ones(1)
             functions.append(symbols.v * sp.diff(slope, symbols.v))
         else:
             x, w = np.polynomial.legendre.leggauss(self._POINTS)
             scale = 2.0 ** -np.arange(self._LEVELS)[:, None]
-            self._p, self._w = (scale * (x + 3) / 2).ravel(), (scale * w / 2).ravel()
+            self._p = (scale * (x + 3) / 2).ravel()
+            self._w = (scale * w / 2).ravel()
             self._w *= np.abs(
                 np.polyval(np.array(criterion.from_rest.all_coeffs(), dtype=float), self._p)
                 if criterion.is_polynomial

@@ -77,7 +77,8 @@ class TermFunction:
     """
 
     def __init__(self, term: Term, criterion: Criterion, arguments: Sequence[Expr]) -> None:
-        self.term, self.average = term, average_of_profile(term.profile, criterion)
+        self.term = term
+        self.average = average_of_profile(term.profile, criterion)
         self.number, amplitude = _accurate_factors(term.amplitude / term.scale)
         self.size, scale = _accurate_factors(term.scale)
         self.bases = list(dict.fromkeys([*amplitude, *scale]))

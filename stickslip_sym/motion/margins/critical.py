@@ -412,7 +412,8 @@ class _Search:
         self.converges = self.criterion is None and (self.method is None or self.method.converges)
         self.work = 0  # thresholds by slips so far
         self.quick = dict[float, _QuickSpeeds]()
-        self.sampled, self.sketched = dict[float, tuple[float, float]](), dict[float, tuple[float, float]]()
+        self.sampled = dict[float, tuple[float, float]]()
+        self.sketched = dict[float, tuple[float, float]]()
 
     def at(self, x: float | str | FloatArray) -> OperatingPoints:
         """Return the operating point for a value of what is sought, or points for several of a quantity."""

@@ -51,7 +51,8 @@ def slip_by_solve_ivp(
     def at_belt_speed(_: float, y: FloatArray) -> float:
         return float(y[1] - osc.V)
 
-    at_belt_speed.terminal, at_belt_speed.direction = True, side  # type: ignore[attr-defined]  # SciPy's way
+    at_belt_speed.terminal = True  # type: ignore[attr-defined]  # SciPy's way
+    at_belt_speed.direction = side  # type: ignore[attr-defined]
     v = side * min(side * v, side * osc.V - _RELATIVE_START_OFFSET * osc.V)
     tight: dict[str, Any] = {"method": "DOP853", "max_step": _LONGEST_STEP / osc.omega}
     solution = solve_ivp(

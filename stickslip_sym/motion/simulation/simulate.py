@@ -251,14 +251,17 @@ class _Ends:
         self.system = NondimensionalOscillator.of(law.bound, osc)
         self.x_P = osc.onset(law)
         self.horizon = t_end * osc.omega
-        self.q, u = (x0.ravel() - self.x_P) / osc.length, v0.ravel() / osc.V
+        self.q = (x0.ravel() - self.x_P) / osc.length
+        u = v0.ravel() / osc.V
         self.w, self.side = self.system.slip_speed(self.q, u)
         self.lowest, self.highest = np.array([self.q, u]), np.array([self.q, u])
         count = self.q.size
-        self.tau, self.first_stick = np.zeros(count), np.full(count, np.nan)
+        self.tau = np.zeros(count)
+        self.first_stick = np.full(count, np.nan)
         self.outcome = np.full(count, Outcome.FINISHED, dtype=object)
         self.phase = np.full(count, None, dtype=object)
-        self.phases, self.sticks = np.zeros(count, dtype=np.intp), np.zeros(count, dtype=np.intp)
+        self.phases = np.zeros(count, dtype=np.intp)
+        self.sticks = np.zeros(count, dtype=np.intp)
 
     def slip(self, rtol: float, max_steps: int, workers: int) -> None:
         """Follow what does not stick at once, up to the belt's speed or the horizon."""

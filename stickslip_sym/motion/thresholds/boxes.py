@@ -248,7 +248,9 @@ class ValidatedIntegrator:
         self.smooth_start = point.law.static is None  # w' = 0 at P exactly
         self.bits = bits
         self.number = 0  # of the segment
-        self.q, self.w, self.steps = arb(0), arb(0), 0
+        self.q = arb(0)
+        self.w = arb(0)
+        self.steps = 0
         self.highest = arb(0)  # a bound of w so far
         self.reached = arb(0)  # a value that w certainly has had
 
