@@ -14,7 +14,7 @@ from flint import acb, acb_poly, arb, arb_series, ctx, fmpq, fmpq_series
 from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.printer import Printer
 
-from stickslip_sym.core.aliases import Expr, FloatArray, Mpf
+from stickslip_sym.core.aliases import Expr, FloatArray, Mpf, Rational
 from stickslip_sym.core.precision import ball_of_mpmath, middle_in_mpmath, mp, refined, working_precision
 
 _MOST_MPMATH_BITS = 20_000  # bits of working precision for a value in mpmath
@@ -117,6 +117,16 @@ class Erfcx(Special):
     def ball(z: acb) -> acb:
         """Return the product."""
         return (z * z).exp() * z.erfc()
+
+    @staticmethod
+    def far_coefficients(count: int) -> list[Rational]:
+        """Return sqrt(pi) times its coefficients far out in powers of 1/x; the series diverges (DLMF 7.12.1)."""
+        coefficients = [sp.S.Zero] * (count + 1)
+        term = sp.S.One
+        for k in range(1, count + 1, 2):
+            coefficients[k] = term
+            term *= -sp.Rational(k, 2)
+        return coefficients
 
     @staticmethod
     def floats(x: Any) -> FloatArray:
@@ -243,6 +253,8 @@ class Removable(Special):
     def ball(cls, z: acb, order: acb) -> acb:
         """Return a ball around the value, also on balls around 0."""
         n = round(float(order.real))
+        if z == 0:
+            return acb(cls._taylor(n, 1)[0])
         size = arb(z.abs_upper())
         if not size <= _SERIES_RADIUS:
             return acb(cls._by_terms(z, n, lambda name: getattr(z, name)()))

@@ -279,7 +279,8 @@ class ClosedForm(Shown, SlopeAverage):
             ends = self.general.limits
             found = (ends.at_rest, ends.far)
             return Limits(*[None if end is None else substitute_numbers(end, self.meanings) for end in found])
-        return limits_of(self.averages, self.law.expr)
+        mu = sp.Add(*[term.expr for term in self.terms])
+        return limits_of(mu, self.law.expr, self.criterion, endless=not self.domain)
 
     def sensitivity(self, name: str) -> "ClosedForm":
         """Return the derivative of the damping coefficient with respect to a parameter, as a closed form.

@@ -20,7 +20,8 @@ from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.functions import arguments, write_sech
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.precision import ball_of_mpmath, middle_in_mpmath, mp, refined, rounded
-from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
+from stickslip_sym.model.leading_terms import symbolic_limit_at_rest
+from stickslip_sym.numerics.known import Unknown
 
 _MOST_EXACT_BITS = 33_000  # of working precision, some 10 000 digits, before a value counts as out of reach
 _BITS_RATIO_TO_PARTS = 4
@@ -126,13 +127,8 @@ def _no_value(point: Mapping[Expr, Expr]) -> InputError:
 def exact_value(expr: Expr, slope: Expr, point: Mapping[Expr, Expr], digits: int) -> Mpf:
     """Evaluate a closed form at exact values to `digits` digits; at V = 0 by its limit -N mu'(0+)."""
     if point[symbols.V] == 0:
-        limit = symbolic_limit_at_rest(slope)
-        if limit is sp.nan:  # as for exponents without a value
-            valued = slope.replace(
-                sp.Pow, lambda base, p: base ** (p if p.has(symbols.v) else p.xreplace(dict(point)))
-            )
-            limit = symbolic_limit_at_rest(valued)
-        if limit.has(sp.oo, -sp.oo, sp.zoo, sp.nan):
+        limit = symbolic_limit_at_rest(slope, point)
+        if isinstance(limit, Unknown) or limit.is_infinite:
             raise InputError("the slope of mu is infinite at v = 0, so the criterion has no value at V = 0")
         expr = -symbols.N * limit
     return to_digits(write_sech(expr), point, digits)

@@ -21,8 +21,9 @@ from stickslip_sym.core.functions import fold, row
 from stickslip_sym.core.lambdify import Backend, context_of, function_of
 from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.model.expression.pieces import branch_from, drop_unreachable_kinks
-from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
+from stickslip_sym.model.leading_terms import symbolic_limit_at_rest
 from stickslip_sym.model.taylor_model import coefficient_near_rest
+from stickslip_sym.numerics.known import Unknown
 
 Rising = Callable[[FloatArray], FloatArray]
 """mu(v) - mu(0+) of an array of slip speeds in m/s, NaN where mu has no value."""
@@ -60,17 +61,11 @@ def limit_at_rest(expr: Expr, values: Mapping[Expr, Expr]) -> float:
     lowest = branch_from(expr, values, sp.Integer(0))
     value = number_at(lowest, {**values, symbols.v: sp.Integer(0)})
     if value is sp.nan:
-        if (series := coefficient_near_rest(lowest, values)) is not None:
-            return series[1].onset
-        # Values of exponents decide the limit of v^p/v; those of other parameters stay out of the algebra.
-        bound = lowest.replace(sp.Pow, lambda b, p: b ** (p if p.has(symbols.v) else number_at(p, values)))
-        infinite = sp.Dummy("infinite")
-        value = symbolic_limit_at_rest(bound).xreplace({sp.oo: infinite, -sp.oo: -infinite})
-        if value.has(infinite):  # times 1, or a sign that the values decide
-            value = number_at(value.coeff(infinite), values) * sp.oo
-        elif not value.has(sp.nan, sp.zoo):
-            value = number_at(value, values)
-    return math.nan if value.has(sp.zoo) else float(value)
+        limit = symbolic_limit_at_rest(lowest, values)
+        if isinstance(limit, Unknown):
+            return math.nan
+        value = limit if limit.is_infinite else number_at(limit, values)
+    return float(value)
 
 
 # -- rises -----------------------------------------------------------------------------------------

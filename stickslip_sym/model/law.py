@@ -27,10 +27,11 @@ from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.pieces import rate
 from stickslip_sym.model.expression.reading import as_text, read_formula
 from stickslip_sym.model.expression.slope import slope_of
-from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
+from stickslip_sym.model.leading_terms import symbolic_limit_at_rest
 from stickslip_sym.model.measured.measurements import Measurements, read_measurements
 from stickslip_sym.model.samples import SampledCurve
 from stickslip_sym.model.terms import Term, terms_of
+from stickslip_sym.numerics.known import Unknown
 from stickslip_sym.output import printing
 from stickslip_sym.output.data import DataResult
 from stickslip_sym.output.shown import Shown, views_of
@@ -285,7 +286,7 @@ class FrictionLaw(Shown, DataResult):
         if self.static is not None:
             return self.static
         limit = symbolic_limit_at_rest(self.expr)
-        if limit is sp.nan:
+        if isinstance(limit, Unknown):
             raise InputError(
                 f"no limit mu(0+) was found for {self._label()}, {self.text[:60]}; give the static coefficient: ",
                 Argument("static"),

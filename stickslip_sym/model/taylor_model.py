@@ -10,11 +10,10 @@ inclusion methods, Int. J. Pure Appl. Math. 4, 2003); a function's own remainder
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, reduce
-from operator import add, mul
-from typing import Any, Generic, Protocol, Self, TypeAlias, TypeVar
+from operator import mul
 
 import numpy as np
 import sympy as sp
@@ -22,22 +21,15 @@ from flint import acb, acb_poly, arb, arb_poly, arb_series, ctx
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
-from stickslip_sym.core.balls import (
-    BallFunction,
-    ball_function,
-    ball_value,
-    number_at,
-    rational,
-    series_function,
-)
+from stickslip_sym.core.balls import BallFunction, ball_function, number_at
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.functions import Function, fold, row
+from stickslip_sym.core.functions import fold
 from stickslip_sym.core.precision import working_precision
-from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
+from stickslip_sym.model.formula_algebra import Bound, ExpansionAlgebra, NotAnalytic
+from stickslip_sym.model.leading_terms import has_limit_at_rest
 
 _MOST_TERMS = 160  # of a polynomial: more precision than they give is asked for in thousands of digits only
 _FINEST_UNIT = 24  # of v: one power of v takes so many terms, and a finer unit leaves too few powers
-_MOST_MULTIPLIED = 16  # of a whole power that is multiplied out
 _CIRCLE_RATIO = 2  # times the size of an argument: the circle on which a function is bounded
 _RADII = 12  # halvings of the radius that are tried
 _SHARE_OF_RADIUS_INSIDE = 0.25  # of the radius: within it the remainder is below 2^(-3 terms)
@@ -47,17 +39,6 @@ _RELATIVE_SIZE_OF_ZERO = 2.0**-90  # of the sizes of coefficients: below it thei
 _COEFFICIENT_OF_NO_ACCOUNT = (
     2.0**-60
 )  # of the largest coefficient: below it a coefficient that may be 0 is 0 to floats
-
-
-_RECIPROCALS: dict[type[Expr], type[Expr]] = {sp.coth: sp.tanh, sp.csch: sp.sinh}
-
-
-Bound: TypeAlias = Callable[[arb], arb]
-"""From the radius of a disc to a bound on a function there; NaN without one."""
-
-
-class NotAnalytic(ArithmeticError):
-    """A formula has no such series at rest, or none whose first term is certain."""
 
 
 @dataclass(frozen=True)
@@ -222,123 +203,6 @@ def _bound_within_radius(polynomial: arb_poly, radius: arb) -> arb:
     return arb_poly([abs(c) for c in polynomial])(radius)
 
 
-class Expandable(Protocol):
-    """What a formula is expanded in: a number and what vanishes at v = 0, or a power of x before both."""
-
-    def __add__(self, other: Self, /) -> Self: ...
-    def __mul__(self, other: Self, /) -> Self: ...
-
-    @property
-    def low(self) -> float:
-        """The power of x before it."""
-
-    @property
-    def leading(self) -> arb:
-        """The first coefficient, which must be certain."""
-
-    def split(self) -> tuple[arb, Self]:
-        """Return the value at x = 0, and what vanishes there."""
-
-    def without_first(self) -> Self:
-        """Return it without its first term."""
-
-    def scaled(self, factor: arb, power: int = 0) -> Self:
-        """Return it times a number and a power of x."""
-
-    def constant(self, value: arb) -> Self:
-        """Return a number."""
-
-    def inserted_in(self, coefficients: Sequence[arb], bound: Bound) -> Self:
-        """Return a power series of this, which vanishes with x; `bound` is that of the function."""
-
-
-S = TypeVar("S", bound=Expandable)
-
-
-class ExpansionAlgebra(Generic[S]):
-    """The algebra by which a formula is expanded from what v is, with so many coefficients of each function."""
-
-    def __init__(self, point: Mapping[Expr, Expr], v: S, count: int) -> None:
-        self.point = point
-        self.v = v
-        self.count = count
-
-    def __call__(self, node: Expr, parts: list[S]) -> S:
-        """Expand a node, from its arguments."""
-        if node == symbols.v:
-            return self.v
-        if not node.has(symbols.v):
-            value = ball_value(node, self.point)
-            if not value.is_finite() or value.imag != 0:
-                raise NotAnalytic(f"{node} has no value")
-            return self.v.constant(value.real)
-        if node.is_Add or node.is_Mul:
-            return reduce(add if node.is_Add else mul, parts)
-        if node.is_Pow and node.base is not sp.E:
-            return self.power(parts[0], number_at(node.exp, self.point))
-        if node.func in _RECIPROCALS and parts[0].low > 0:
-            return self.power(self(_RECIPROCALS[node.func](node.args[0]), parts), sp.S.NegativeOne)
-        known = row(node)
-        if known is None or known.ball is None or len(parts) != 1:
-            raise NotAnalytic(f"{node} is expanded in no rule")
-        return self.function(known, parts[0])
-
-    def power(self, base: S, exponent: Expr) -> S:
-        """Return a power of what begins with a number, or with a power of x."""
-        if exponent.is_Integer and 0 <= exponent <= _MOST_MULTIPLIED:
-            return reduce(mul, [base] * int(exponent), self.v.constant(arb(1)))
-        first = base.leading
-        shift = exponent * int(base.low)
-        if not shift.is_Integer or not (exponent.is_Integer or first > 0):
-            raise NotAnalytic("a power of v that is not whole, or of what is negative")
-        p = arb(rational(exponent)) if exponent.is_Rational else ball_value(exponent, {}).real
-        binomials = [arb(1)]
-        for k in range(self.count):
-            binomials.append(binomials[-1] * (p - k) / (k + 1))
-
-        def bound(farther: arb) -> arb:
-            if farther < 1:
-                return ((1 + farther) ** p).max((1 - farther) ** p)
-            return arb.nan()
-
-        rest = base.without_first().scaled(1 / first, -int(base.low))
-        factor = first ** int(exponent) if exponent.is_Integer else first**p
-        return rest.inserted_in(binomials, bound).scaled(factor, int(shift))
-
-    def function(self, known: Function, inner: S) -> S:
-        """Return a function of what is finite at v = 0."""
-        start, rest = inner.split()
-        coefficients = self.coefficients(known.kind, start)
-        return rest.inserted_in(coefficients, lambda farther: _bound_on_disc(known, start, farther))
-
-    def coefficients(self, kind: Any, start: arb) -> tuple[arb, ...]:
-        """Return the first coefficients of a function around a ball."""
-        return _taylor_coefficients(kind, start.mid().man_exp(), start.rad().man_exp(), self.count, ctx.prec)
-
-
-def _bound_on_disc(function: Function, start: arb, farther: arb) -> arb:
-    """Return a bound on a function on a disc around a ball; NaN without one."""
-    around = acb(start, 0) + acb(arb(0, farther), arb(0, farther))
-    if function.ball is None or function.cut(around):
-        return arb.nan()
-    return arb(function.ball(around).abs_upper())
-
-
-@lru_cache
-def _taylor_coefficients(
-    kind: Any, middle: tuple[int, int], radius: tuple[int, int], count: int, bits: int
-) -> tuple[arb, ...]:
-    """Return the first coefficients of a function around a ball."""
-    x = sp.Dummy()
-    start = arb(middle, radius)
-    with working_precision(bits, count + 1):
-        series = series_function(kind(x), x, {})(arb_series([start, 1], prec=count + 1))
-        coefficients = tuple(series[k] for k in range(count + 1))
-    if not all(coefficient.is_finite() for coefficient in coefficients):
-        raise NotAnalytic(f"{kind.__name__} is not analytic at {float(start)}")
-    return coefficients
-
-
 def unit_of_powers(expr: Expr, point: Mapping[Expr, Expr]) -> int:
     """Return the common denominator of the powers of v at rest."""
     exponents = [node.exp.xreplace(dict(point)) for node in expr.atoms(sp.Pow) if node.base == symbols.v]
@@ -391,7 +255,7 @@ def taylor_model(expr: Expr, point: Mapping[Expr, Expr]) -> TaylorModel | None:
 def _made(expr: Expr, point: tuple[tuple[Expr, Expr], ...], bits: int) -> TaylorModel | None:
     whole = sp.factor_terms(expr)  # a common factor, inexact, would hide that terms cancel
     model = _model_with_pole(whole, dict(point), bits)
-    return None if model is None else _remove_pole(model, whole)
+    return None if model is None else _remove_pole(model, whole, dict(point))
 
 
 def _model_with_pole(expr: Expr, point: Mapping[Expr, Expr], bits: int) -> TaylorModel | None:
@@ -420,15 +284,15 @@ def poles(expr: Expr, point: Mapping[Expr, Expr]) -> dict[Expr, arb]:
     return {sp.Rational(model.low + k, model.unit): model.polynomial[k] for k in range(count)}
 
 
-def _remove_pole(model: TaylorModel, expr: Expr) -> TaylorModel | None:
+def _remove_pole(model: TaylorModel, expr: Expr, point: Mapping[Expr, Expr]) -> TaylorModel | None:
     """Return a model without a pole; None if it has one.
 
-    Coefficients below x^0 that balls do not tell from 0 are 0 where SymPy finds a finite limit.
+    Coefficients below x^0 that balls do not tell from 0 are 0 where the coefficient has a finite limit.
     """
     poles = list(model.polynomial)[: max(0, -model.low)]
     if model.low >= 0:
         return model
-    if not all(c.contains(0) for c in poles) or model.top < 0 or not symbolic_limit_at_rest(expr).is_finite:
+    if not all(c.contains(0) for c in poles) or model.top < 0 or not has_limit_at_rest(expr, point):
         return None
     return replace(model, low=0, polynomial=model.polynomial.right_shift(-model.low))
 

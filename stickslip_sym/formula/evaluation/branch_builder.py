@@ -50,7 +50,7 @@ from stickslip_sym.formula.evaluation.reference_average import (
 )
 from stickslip_sym.formula.proof.proving import Verdict
 from stickslip_sym.model.expression.pieces import branch_from, kinks_at
-from stickslip_sym.model.taylor_model import NotAnalytic
+from stickslip_sym.model.formula_algebra import NotAnalytic
 from stickslip_sym.numerics.chebyshev import ball_grid
 from stickslip_sym.numerics.known import Unknown, attempted
 from stickslip_sym.numerics.subdivide import (

@@ -21,7 +21,7 @@ from stickslip_sym.core.functions import Function, elementary, fold, write_erfcx
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.core.special import Erfcx
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.model.taylor_model import Bound, ExpansionAlgebra, NotAnalytic
+from stickslip_sym.model.formula_algebra import Bound, ExpansionAlgebra, NotAnalytic
 
 _SERIES_TERMS = 30
 """Terms of a series: (1/4)^30 < 2^-57, so that it holds up to a quarter of its radius of convergence."""
@@ -182,23 +182,14 @@ class _GeneralExpansion(ExpansionAlgebra[GeneralisedSeries]):
             quarter = GeneralisedSeries({(0, 0): (arb.pi() if positive else -arb.pi()) / 2})
             return quarter + self.function(known, self.power(inner, sp.S.NegativeOne)).scaled(arb(-1))
         if kind is Erfcx and positive:
-            return self.power(inner, sp.S.NegativeOne).inserted_in(_erfcx_coefficients(_SERIES_TERMS))
+            coefficients = [arb(rational(c)) for c in Erfcx.far_coefficients(_SERIES_TERMS)]
+            return self.power(inner, sp.S.NegativeOne).inserted_in(coefficients).scaled(1 / arb.pi().sqrt())
         if kind is sp.exp and positive:
             return _SUPERPOLYNOMIAL
         limit = _LIMITS.get(kind, (None, None))[positive]
         if limit is None:
             raise NotAnalytic(f"{known.name} has no limit")
         return self.v.constant(arb(limit))
-
-
-def _erfcx_coefficients(count: int) -> list[arb]:
-    """Return the coefficients of erfcx far out in powers of 1/x, a series that diverges (DLMF 7.12.1)."""
-    coefficients = [arb(0)] * (count + 1)
-    term = 1 / arb.pi().sqrt()
-    for k in range(1, count + 1, 2):
-        coefficients[k] = term
-        term *= -arb(k) / 2
-    return coefficients
 
 
 def expanded(slope: Expr, point: Mapping[Expr, Expr], unit: int, *, far: bool) -> GeneralisedSeries:

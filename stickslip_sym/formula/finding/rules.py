@@ -22,7 +22,7 @@ from stickslip_sym.formula.proof.normal_form import is_integral_of_binomial
 from stickslip_sym.formula.proof.recurrence import AverageSeries, definition
 from stickslip_sym.formula.proof.theorems import By, PieceByPiece, ends_of_pieces, value_at
 from stickslip_sym.model.expression.pieces import pieces_of
-from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
+from stickslip_sym.model.leading_terms import has_limit_at_rest
 from stickslip_sym.model.terms import grouped
 
 
@@ -66,7 +66,7 @@ def _split_profile(mu: Expr) -> dict[Expr, Expr]:
     infinite = [
         rest for rest in terms if rest.subs(symbols.v, 0).is_finite is not True and not rest.has(sp.Piecewise)
     ]
-    if len(infinite) > 1 and symbolic_limit_at_rest(mu).is_finite:
+    if len(infinite) > 1 and has_limit_at_rest(mu):
         whole = sp.Add(*[terms.pop(rest) * rest for rest in infinite])
         terms[whole] = sp.S.One
     return terms

@@ -28,7 +28,8 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.core.remedies import Argument
 from stickslip_sym.model.law import FrictionLaw
-from stickslip_sym.model.limit_at_rest import symbolic_limit_at_rest
+from stickslip_sym.model.leading_terms import symbolic_limit_at_rest
+from stickslip_sym.numerics.known import Unknown
 
 _SCALES = tuple(2.0**-i for i in range(-1, 9))  # of the radii that are tried for the polydisc
 _SHARE_OF_RADIUS = 0.25  # of the time rho that a step takes: with it a term gains two bits
@@ -61,11 +62,8 @@ class ExactPoint:
     def at_rest(self) -> Expr:
         """The coefficient mu(0+), by the first segment at v = 0, or its limit there; refused where it has none."""
         _, first = self.law.bound.segments[0]
-        infinite = sp.nan, sp.zoo, sp.oo, -sp.oo
-        onset = first.xreplace({symbols.v: sp.Integer(0)})
-        if onset.has(*infinite):
-            onset = symbolic_limit_at_rest(first)
-        if onset.has(*infinite):
+        onset = symbolic_limit_at_rest(first, self.law.bound.point)
+        if isinstance(onset, Unknown) or onset.is_infinite:
             raise InputError(f"no finite limit mu(0+) was found for {self.law!r}, as a proof needs it")
         return onset
 
