@@ -20,9 +20,9 @@ DIGITS = 400
 NEAR = 60  # decimal orders from 1 m/s to what counts as rest, and as far out
 FINITE_TOGETHER = (
     "(1-exp(-v/w))*w/v", "a+b*(1-cos(v/w))*(w/v)^2", "(v/w)/(exp(v/w)-1)", "a*(sqrt(1+v/w)-1)*w/v",
-    "log(1+v/w)*w/v", "(exp(-v/w)-exp(-2*v/w))*w/v", "w/v-1/sinh(v/w)", "a*(1/tanh(v/w)-w/v)*w/v", "(v/sin(v)-1)/v^2",
-    "(1-v^2/2-cos(v))/v^4", "a*(1-exp(-(v/w)^p))*(w/v)^p", "(log(1+v)-v+v^2/2)/v^3", "a*(sqrt(v^2+w^2)-w)/v",
-    "(1-exp(-sqrt(v)))/sqrt(v)", "a*erf(v/w)*w/v", "a*v/(1-exp(-v/w))*exp(-v/w)",
+    "log(1+v/w)*w/v", "(exp(-v/w)-exp(-2*v/w))*w/v", "w/v-1/sinh(v/w)", "a*(1/tanh(v/w)-w/v)*w/v",
+    "(v/sin(v)-1)/v^2", "(1-v^2/2-cos(v))/v^4", "a*(1-exp(-(v/w)^p))*(w/v)^p", "(log(1+v)-v+v^2/2)/v^3",
+    "a*(sqrt(v^2+w^2)-w)/v", "(1-exp(-sqrt(v)))/sqrt(v)", "a*erf(v/w)*w/v", "a*v/(1-exp(-v/w))*exp(-v/w)",
 )  # fmt: skip
 OTHERS = (
     "a*v^p/(v^p+b)", "a*v*sinh(w/v)", "a+b*exp(-w/v)", "a+b*v*exp(-w/v)", "a*exp(-log(v/w)^2)", "a/(1+log(v/w)^2)",

@@ -16,6 +16,8 @@ import sympy as sp
 import stickslip_sym as ss
 from stickslip_sym import symbols
 from stickslip_sym.core.precision import working_precision
+from stickslip_sym.model.formula_algebra import NotAnalytic
+from stickslip_sym.model.leading_terms import ask_leading_terms
 from stickslip_sym.model.taylor_model import taylor_model
 from stickslip_sym.motion.slip import NondimensionalOscillator
 from support.operating_points import paper_oscillator
@@ -174,7 +176,30 @@ def check_taylor_model():
             assert off <= radius**model.top * rest * (1 + 1e-9) + 1e-30
 
 
+def check_leading_terms():
+    """What the terms of a function with a root and a logarithm leave out falls as the orders left out say."""
+    v = symbols.v
+    f = sp.sqrt(v) * sp.exp(-v) / (1 - v * sp.log(v))
+
+    def three_terms(found):
+        if len(found.terms) < 3:
+            raise NotAnalytic("too few")
+        return found
+
+    known = ask_leading_terms(f, three_terms)
+    exact = sp.lambdify(v, f, "mpmath")
+    with mpmath.workdps(60):
+        ratios = []
+        for x in (mpmath.mpf(10) ** -8, mpmath.mpf(10) ** -10):
+            root, L = mpmath.sqrt(x), -mpmath.log(x)
+            values = {(e, n): root ** int(2 * e) * L ** int(n) for e, n in known.orders}
+            series = sum(float(c) * values[order] for order, c in known.terms.items())
+            ratios.append(abs(exact(x) - series) / max(values[order] for order in known.left_out))
+    assert 0 < ratios[1] < 2 * ratios[0] < 20
+
+
 CHECKS = {
+    "f = sum of c x^e L^n  +  O(x^p L^q)": check_leading_terms,
     "f = x^low (c_0 + c_1 x + ...) + x^top g(x),    |g(x)| <= rest    for complex |x| <= radius.":
         check_taylor_model,
     "(q - s x)' = -x - s (s - K) x >= 0    where    K >= s + 1/s.": check_creeping,
