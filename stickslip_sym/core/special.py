@@ -14,7 +14,7 @@ from flint import acb, acb_poly, arb, arb_series, ctx, fmpq, fmpq_series
 from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.printer import Printer
 
-from stickslip_sym.core.aliases import Expr, FloatArray, Mpf, Rational
+from stickslip_sym.core.aliases import Expr, FloatArray, Mpf
 from stickslip_sym.core.precision import ball_of_mpmath, middle_in_mpmath, mp, refined, working_precision
 
 _MOST_MPMATH_BITS = 20_000  # bits of working precision for a value in mpmath
@@ -119,7 +119,7 @@ class Erfcx(Special):
         return (z * z).exp() * z.erfc()
 
     @staticmethod
-    def far_coefficients(count: int) -> list[Rational]:
+    def far_coefficients(count: int) -> list[Expr]:
         """Return sqrt(pi) times its coefficients far out in powers of 1/x; the series diverges (DLMF 7.12.1)."""
         coefficients = [sp.S.Zero] * (count + 1)
         term = sp.S.One

@@ -59,7 +59,7 @@ _OF_LARGE_POSITIVE: dict[type[Expr], Expr] = {
 """The same of odd functions, where it grows to infinity; that of erf leaves out what is below exp(-v^2)."""
 
 
-class Scale(sp.Dummy):  # type: ignore[misc]  # SymPy is untyped
+class Scale(sp.Dummy):
     """An infinite number Z: x^(-Z) is the exponential of what grows like `order`."""
 
     order: Order
