@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip_sym.core.aliases import Span
 from stickslip_sym.core.uncertain import interval_text, text_with_error
 from stickslip_sym.model.fitting.averaged import Averaged
 from stickslip_sym.model.fitting.weights import RANKED
@@ -51,7 +52,7 @@ class Decision(DataResult):
     value: float
     standard_error: float
     chance: float | None = None
-    by_law: tuple[float, float] | None = None
+    by_law: Span | None = None
     averaged: Averaged | None = None
 
     @classmethod
@@ -75,7 +76,7 @@ class Decision(DataResult):
         return self._speeds < RANKED
 
     @property
-    def _possible(self) -> tuple[float, float] | None:
+    def _possible(self) -> Span | None:
         """The least and the greatest probability that c is below, by what decides; None if nothing does."""
         if self.averaged is None or self.chance is None:
             return None
@@ -106,7 +107,7 @@ class Decision(DataResult):
         return self.chance if self.below is not None else None
 
     @property
-    def range(self) -> tuple[float, float] | None:
+    def range(self) -> Span | None:
         """From where to where the pure-slip damping is by the laws that may be meant; None without fits."""
         if self.averaged is None or self.averaged.dof <= 0:
             return None

@@ -1,5 +1,6 @@
 """Names of the types that many annotations share."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 if TYPE_CHECKING:
@@ -33,6 +34,10 @@ else:  # no annotation is worth the half second that these libraries take to imp
     ) = ObjectArray = Any
 ExprOrCondition = TypeVar("ExprOrCondition", Expr, Condition)
 """Of a function that gives one for one, and the other for the other."""
+Substitution: TypeAlias = Mapping[Expr, Expr]
+"""What stands in place of each symbol."""
+Span: TypeAlias = tuple[float, float]
+"""Its ends, the lower one first."""
 Numbers: TypeAlias = float | FloatArray
 """One number, or an array of them."""
 Rows: TypeAlias = IntArray | BoolArray | list[int] | slice

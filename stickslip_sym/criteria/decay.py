@@ -4,14 +4,13 @@ No ball around v = 0 is finite there. What such a coefficient adds below some sp
 speed, since it rises from 0; above it balls are as small as they are anywhere.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import sympy as sp
 from flint import acb, arb, arb_poly
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, Substitution
 from stickslip_sym.core.balls import ball, ball_value, number_at
 
 _FARTHER = 1.25  # times, each step of a logarithm down to where an exponential counts for nothing
@@ -75,7 +74,7 @@ class DecayInLogarithm:
         return (top - step).exp().mid()
 
 
-def _decay_in_logarithm(node: Expr, point: Mapping[Expr, Expr]) -> DecayInLogarithm | None:
+def _decay_in_logarithm(node: Expr, point: Substitution) -> DecayInLogarithm | None:
     """Return an exponential of a polynomial in log(v) that falls without bound at rest; None for another."""
     if not node.exp.has(sp.log):
         return None
@@ -91,7 +90,7 @@ def _decay_in_logarithm(node: Expr, point: Mapping[Expr, Expr]) -> DecayInLogari
     return DecayInLogarithm(balls) if falls else None
 
 
-def start_of(mu: Expr, point: Mapping[Expr, Expr], reach: arb, bits: int) -> arb | None:
+def start_of(mu: Expr, point: Substitution, reach: arb, bits: int) -> arb | None:
     """Return a speed below which what vanishes faster than any power counts for nothing; None without such."""
     decay = decay_at_rest(mu, point)
     logarithmic = [_decay_in_logarithm(node, point) for node in mu.atoms(sp.exp)]
@@ -101,14 +100,14 @@ def start_of(mu: Expr, point: Mapping[Expr, Expr], reach: arb, bits: int) -> arb
     return min(starts, key=float, default=None)
 
 
-def decay_at_rest(mu: Expr, point: Mapping[Expr, Expr]) -> Decay | None:
+def decay_at_rest(mu: Expr, point: Substitution) -> Decay | None:
     """Return the slowest exponential by which a smooth coefficient, or a term of it, vanishes at rest."""
     decays = [_leading_decay(node, point) for node in mu.atoms(sp.exp)]
     known = [decay for decay in decays if decay is not None]
     return min(known, key=lambda decay: (decay.order, decay.rate), default=None)
 
 
-def _leading_decay(node: Expr, point: Mapping[Expr, Expr]) -> Decay | None:
+def _leading_decay(node: Expr, point: Substitution) -> Decay | None:
     terms = _exponent_powers(node, point)
     if not terms:
         return None
@@ -118,7 +117,7 @@ def _leading_decay(node: Expr, point: Mapping[Expr, Expr]) -> Decay | None:
     return None
 
 
-def _exponent_powers(node: Expr, point: Mapping[Expr, Expr]) -> list[tuple[Expr, Expr]]:
+def _exponent_powers(node: Expr, point: Substitution) -> list[tuple[Expr, Expr]]:
     """Return exponents and coefficients of an exponential's argument; nothing if it is no sum of powers of v."""
     values = {symbol: value for symbol, value in point.items() if not isinstance(value, acb)}
     powers: dict[Expr, Expr] = {}
@@ -133,7 +132,7 @@ def _exponent_powers(node: Expr, point: Mapping[Expr, Expr]) -> list[tuple[Expr,
     return []
 
 
-def vanishing(mu: Expr, point: Mapping[Expr, Expr]) -> tuple[Expr, Expr]:
+def vanishing(mu: Expr, point: Substitution) -> tuple[Expr, Expr]:
     """Return a smooth coefficient without its terms that vanish faster than any power, and these."""
     regular = list[Expr]()
     vanished = list[Expr]()
@@ -144,7 +143,7 @@ def vanishing(mu: Expr, point: Mapping[Expr, Expr]) -> tuple[Expr, Expr]:
     return sp.Add(*regular), sp.Add(*vanished)
 
 
-def bound_below(vanished: Expr, point: Mapping[Expr, Expr], end: arb) -> arb:
+def bound_below(vanished: Expr, point: Substitution, end: arb) -> arb:
     """Return a bound on what vanishes faster than any power, from v = 0 to a speed; not finite without one."""
     around = acb(arb(end / 2, (end / 2).abs_upper()))
     total = arb(0)

@@ -6,7 +6,7 @@ close the two ends are is what the working precision makes of it.
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import MAX_EMAX, MIN_EMIN, ROUND_DOWN, Context, Decimal, localcontext
 from fractions import Fraction
@@ -18,7 +18,7 @@ import sympy as sp
 from flint import acb, arb, ctx
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr, Rational
+from stickslip_sym.core.aliases import Expr, Rational, Substitution
 from stickslip_sym.core.balls import BallFunction, Point, ball, ball_function, ball_value, integrated
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.numbers import Number, fraction
@@ -263,7 +263,7 @@ def enclose(
 
 
 def average_enclosure(
-    mu: Expr, point: Mapping[Expr, Expr], criterion: Criterion, speed: arb, exact: Expr | None = None
+    mu: Expr, point: Substitution, criterion: Criterion, speed: arb, exact: Expr | None = None
 ) -> arb:
     """Return a ball around -<mu'(V(1 + s))>_w at the working precision; not finite where none is found.
 
@@ -360,6 +360,6 @@ def _real_ball(value: acb) -> acb:
     return acb(arb.nan())
 
 
-def smooth_pieces(mu: Expr, point: Mapping[Expr, Expr], ends: Sequence[Expr]) -> list[Expr]:
+def smooth_pieces(mu: Expr, point: Substitution, ends: Sequence[Expr]) -> list[Expr]:
     """Return mu between the ends, each piece chosen half-way: a kink itself may be rounded."""
     return [branch_from(mu, point, (left + right) / 2) for left, right in pairwise(ends)]

@@ -9,7 +9,7 @@ from typing import Literal, SupportsIndex
 
 import sympy as sp
 
-from stickslip_sym.core.aliases import Condition, Expr, Mpf
+from stickslip_sym.core.aliases import Condition, Expr, Mpf, Substitution
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.deadline import time_limit as limit
 from stickslip_sym.core.errors import InputError, NoClosedForm, NotConverged, OutOfTime
@@ -74,7 +74,7 @@ class ClosedForm(Shown, SlopeAverage):
 
     origin: "tuple[ClosedForm, str] | None" = None
     general: "ClosedForm | None" = None
-    meanings: Mapping[Expr, Expr] = field(default_factory=dict)
+    meanings: Substitution = field(default_factory=dict)
     _runs: dict[str, tuple[Status, str]] = field(default_factory=dict, init=False, repr=False)
     """What certificates that were run established, by their languages."""
 
@@ -266,7 +266,7 @@ class ClosedForm(Shown, SlopeAverage):
         return self.verdict
 
     @cached_property
-    def readable(self) -> tuple["ClosedForm", Mapping[Expr, Expr]]:
+    def readable(self) -> tuple["ClosedForm", Substitution]:
         """The form to print, and what its letters stand for: that in letters, where numbers make a long mix."""
         if self.general is None or not _is_mixed(self.expr, self.law.expr):
             return self, {}
@@ -342,7 +342,7 @@ class ClosedForm(Shown, SlopeAverage):
         slope = sp.Add(*[sp.diff(term.expr, v) for term in self.terms])
         return -N * mean_slope_at_kinks(slope).subs(v, V) if self.criterion.weight is None else self.expr, slope
 
-    def _exactly(self, point: Mapping[Expr, Expr], digits: int) -> Mpf:
+    def _exactly(self, point: Substitution, digits: int) -> Mpf:
         """Return the value at exact arguments: by the formula, and where it has none, by the definition's balls.
 
         Where parameters meet, as both speeds of 1/((1 + v/v_1) (1 + v/v_2)), a formula divides 0 by 0.
@@ -591,7 +591,7 @@ def _derived(law: FrictionLaw, criterion: Criterion, search: bool) -> ClosedForm
     return _completed(form, search)
 
 
-def _name_long_numbers(law: FrictionLaw) -> tuple[FrictionLaw, Mapping[Expr, Expr]]:
+def _name_long_numbers(law: FrictionLaw) -> tuple[FrictionLaw, Substitution]:
     """Return a law with letters for its long numbers, and what they stand for; a curve through points as it is.
 
     The letters are those of the catalogue's law of the same shape, where there is one.

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import sympy as sp
 
-from stickslip_sym.core.aliases import Condition, Expr
+from stickslip_sym.core.aliases import Condition, Expr, Substitution
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.symbols import QUANTITIES, V, v
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal, prove_positive
@@ -57,7 +57,7 @@ class Step(DataResult):
     by: By | None = None
     lhs: Expr | None = None
     formulas: tuple[Expr | Condition, ...] = ()
-    meanings: tuple[Mapping[Expr, Expr], ...] = ()
+    meanings: tuple[Substitution, ...] = ()
 
     def __repr__(self) -> str:
         return views_of(self).one_line(self)

@@ -14,7 +14,7 @@ import sympy as sp
 from flint import acb, arb, ctx
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr, Mpf
+from stickslip_sym.core.aliases import Expr, Mpf, Substitution
 from stickslip_sym.core.balls import ball_value
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.functions import arguments, write_sech
@@ -30,13 +30,13 @@ _LONGEST_SERIES = 1e4  # an argument from where as many terms cancel, for which 
 _BITS_OF_SECOND_LOOK = 64  # bits by which the second look of mpmath is more precise
 
 
-def to_digits(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> Mpf:
+def to_digits(expr: Expr, point: Substitution, digits: int) -> Mpf:
     """Evaluate an expression at exact rational values to `digits` significant digits, as `to_ball` does."""
     value, _ = to_ball(expr, point, digits)
     return rounded(middle_in_mpmath(value), digits)
 
 
-def to_ball(expr: Expr, point: Mapping[Expr, Expr], digits: int) -> tuple[arb, bool]:
+def to_ball(expr: Expr, point: Substitution, digits: int) -> tuple[arb, bool]:
     """Return a ball around an expression, its relative radius below 10^-digits, and whether Arb alone made it.
 
     A zero is believed only where the arithmetic of rationals gives it: everywhere else all digits cancelled.
@@ -118,13 +118,13 @@ def _compile_packed(kind: type[Expr], lengths: tuple[int, ...], context: Any) ->
     return function_of(arguments(node), node, context)
 
 
-def _no_value(point: Mapping[Expr, Expr]) -> InputError:
+def _no_value(point: Substitution) -> InputError:
     zeros = ", ".join(f"{symbol} = 0" for symbol, value in point.items() if value == 0)
     hint = f": it divides by zero at {zeros}; take a small value, or use quadrature.damping" if zeros else ""
     return InputError(f"the closed form has no finite real value at these parameters{hint}")
 
 
-def exact_value(expr: Expr, slope: Expr, point: Mapping[Expr, Expr], digits: int) -> Mpf:
+def exact_value(expr: Expr, slope: Expr, point: Substitution, digits: int) -> Mpf:
     """Evaluate a closed form at exact values to `digits` digits; at V = 0 by its limit -N mu'(0+)."""
     if point[symbols.V] == 0:
         limit = symbolic_limit_at_rest(slope, point)

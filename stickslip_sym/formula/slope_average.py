@@ -13,7 +13,7 @@ import sympy as sp
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import BoolArray, Condition, Expr, FloatArray, Mpf, Numbers
+from stickslip_sym.core.aliases import BoolArray, Condition, FloatArray, Mpf, Numbers, Substitution
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.names import suggestion
@@ -62,7 +62,7 @@ class SlopeAverage(TermSum, DataResult, by_identity=True):
         """What a dictionary of it has; a closed form says more."""
         return ("law", "criterion")
 
-    def _exactly(self, point: Mapping[Expr, Expr], digits: int) -> Mpf:
+    def _exactly(self, point: Substitution, digits: int) -> Mpf:
         """Return the value at exact arguments, by an enclosure of the definition."""
         if point[symbols.V] == 0 or self.criterion.weight is None:
             slope = self.law.slope_expr

@@ -4,14 +4,13 @@ That is by formula; for typical parameters as the zeros of a rational function, 
 counted exactly; or where the slope of mu has one sign. Others are critical values of the belt speed at c = 0.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 
 import sympy as sp
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, Substitution
 from stickslip_sym.core.functions import write_sech
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.closed_form import ClosedForm
@@ -80,7 +79,7 @@ def _speeds_at_typical_values(form: ClosedForm) -> TransitionSpeeds:
     return TransitionSpeeds(values=values, sign=sign, at_typical_values=bool(point))
 
 
-def _sign_of_average(form: ClosedForm, point: Mapping[Expr, Expr]) -> Sign | None:
+def _sign_of_average(form: ClosedForm, point: Substitution) -> Sign | None:
     """Return the sign of an average of a slope of one sign at all slip speeds; None where that is not known."""
     mu = sp.Add(*(term.expr for term in form.terms))
     if mu.has(sp.Piecewise) or not _is_average(form.criterion):
@@ -100,7 +99,7 @@ def _is_average(criterion: Criterion) -> bool:
     return all(inside.count(root) % 2 == 0 for root in inside)
 
 
-def _zeros_of_rational_function(expr: Expr, point: Mapping[Expr, Expr]) -> tuple[float, ...] | None:
+def _zeros_of_rational_function(expr: Expr, point: Substitution) -> tuple[float, ...] | None:
     """Return all zeros of a rational function of V at rational values of its parameters; None for another one."""
     per_force = expr.xreplace({symbols.N: sp.S.One, **point})
     if not per_force.is_rational_function(symbols.V):

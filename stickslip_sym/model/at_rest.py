@@ -6,7 +6,7 @@ as products, which lose none.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import cache, partial
 from typing import Any
 
@@ -15,7 +15,7 @@ import sympy as sp
 from sympy.codegen.cfunctions import expm1, log1p
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr, FloatArray
+from stickslip_sym.core.aliases import Expr, FloatArray, Substitution
 from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.functions import fold, row
 from stickslip_sym.core.lambdify import Backend, context_of, function_of
@@ -35,7 +35,7 @@ _START = sp.Dummy("start", positive=True)
 """The slip speed where a piece begins."""
 
 
-def function_at(expr: Expr, values: Mapping[Expr, Expr], backend: Backend) -> Callable[[Any], Any]:
+def function_at(expr: Expr, values: Substitution, backend: Backend) -> Callable[[Any], Any]:
     """Return an expression in v at exact values of its other symbols as a bare function of v.
 
     Values go in as arguments, not into the expression: SymPy would factor powers of fractions.
@@ -56,7 +56,7 @@ def reals(values: Any) -> FloatArray:
 # -- limits ----------------------------------------------------------------------------------------
 
 
-def limit_at_rest(expr: Expr, values: Mapping[Expr, Expr]) -> float:
+def limit_at_rest(expr: Expr, values: Substitution) -> float:
     """Return the limit of an expression as v falls to 0, at values of its parameters; NaN where none is found."""
     lowest = branch_from(expr, values, sp.Integer(0))
     value = number_at(lowest, {**values, symbols.v: sp.Integer(0)})
@@ -71,7 +71,7 @@ def limit_at_rest(expr: Expr, values: Mapping[Expr, Expr]) -> float:
 # -- rises -----------------------------------------------------------------------------------------
 
 
-def rises_of(segments: Sequence[tuple[Expr, Expr]], values: Mapping[Expr, Expr]) -> list[tuple[float, Rising]]:
+def rises_of(segments: Sequence[tuple[Expr, Expr]], values: Substitution) -> list[tuple[float, Rising]]:
     """Return where each smooth segment of a coefficient begins, and mu(v) - mu(0+) on it.
 
     The difference has the digits that are lost when two coefficients that are close are subtracted.
@@ -82,7 +82,7 @@ def rises_of(segments: Sequence[tuple[Expr, Expr]], values: Mapping[Expr, Expr])
     return [(float(start), _rise_of_piece(values, lowest, formula, start)) for start, formula in segments]
 
 
-def _rise_of_piece(values: Mapping[Expr, Expr], lowest: Expr, piece: Expr, start: Expr) -> Rising:
+def _rise_of_piece(values: Substitution, lowest: Expr, piece: Expr, start: Expr) -> Rising:
     plain = function_at(piece, values, "numpy")
     onset = limit_at_rest(lowest, values)
     # A piece that begins at 0 has the 0 itself in its formula, so that what is 0 there is left out.
@@ -125,7 +125,7 @@ def _plain_difference(plain: Callable[[FloatArray], Any], onset: float, v: Float
         return reals(plain(v)) - onset + np.zeros_like(v)
 
 
-def _term_by_term(piece: Expr, start: Expr, values: Mapping[Expr, Expr]) -> list[Rising]:
+def _term_by_term(piece: Expr, start: Expr, values: Substitution) -> list[Rising]:
     """Return the rises of the terms of a sum, a difference where products overflow, as of a narrow bump."""
 
     def rise_of(term: Expr) -> Rising:

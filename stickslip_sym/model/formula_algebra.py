@@ -5,7 +5,7 @@ three kinds of numbers in it.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache, reduce
 from operator import add, mul
 from typing import Any, Generic, Protocol, Self, TypeAlias, TypeVar
@@ -14,7 +14,7 @@ import sympy as sp
 from flint import acb, arb, arb_series, ctx
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, Substitution
 from stickslip_sym.core.balls import ball_value, number_at, rational, series_function
 from stickslip_sym.core.functions import FUNCTIONS, Function, row
 from stickslip_sym.core.precision import working_precision
@@ -50,7 +50,7 @@ R = TypeVar("R", bound=Ring)
 class FormulaAlgebra(ABC, Generic[R]):
     """The algebra by which a formula with values of its letters is expanded from what v is."""
 
-    def __init__(self, point: Mapping[Expr, Expr], v: R, count: int) -> None:
+    def __init__(self, point: Substitution, v: R, count: int) -> None:
         self.point = point
         self.v = v
         self.count = count

@@ -18,7 +18,7 @@ from typing import Any, TypeAlias, TypeVar
 import sympy as sp
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, Substitution
 from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import FUNCTIONS, Function, elementary, fold, power, write_erfcx
@@ -347,7 +347,7 @@ def _exponential_of(number: Expr) -> Expr:
 
 
 def ask_leading_terms(
-    expr: Expr, answer: Callable[[LeadingTerms], T], point: Mapping[Expr, Expr] | None = None, *, far: bool = False
+    expr: Expr, answer: Callable[[LeadingTerms], T], point: Substitution | None = None, *, far: bool = False
 ) -> T | Unknown:
     """Return what the leading terms of an expression without kinks answer, at rest or far out.
 
@@ -373,7 +373,7 @@ def _expand_in_letters(expr: Expr, point: Values, count: int, far: bool) -> Lead
     return fold(expr, _LetterAlgebra(dict(point), v, count))
 
 
-def symbolic_limit_at_rest(expr: Expr, point: Mapping[Expr, Expr] | None = None) -> Expr | Unknown:
+def symbolic_limit_at_rest(expr: Expr, point: Substitution | None = None) -> Expr | Unknown:
     """Return the limit of an expression in v and parameters as v falls to 0.
 
     Where it depends on the sign of a place, it is a Piecewise.
@@ -393,7 +393,7 @@ def symbolic_limit_at_rest(expr: Expr, point: Mapping[Expr, Expr] | None = None)
     return Unknown("it is complex") if isinstance(limit, sp.Basic) and limit.has(sp.I) else limit
 
 
-def has_limit_at_rest(expr: Expr, point: Mapping[Expr, Expr] | None = None) -> bool:
+def has_limit_at_rest(expr: Expr, point: Substitution | None = None) -> bool:
     """Whether an expression has a limit at rest that is finite; not where none is found."""
     limit = symbolic_limit_at_rest(expr, point)
     return not isinstance(limit, Unknown) and limit.is_finite is not False

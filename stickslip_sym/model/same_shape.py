@@ -1,10 +1,10 @@
 """The law of the catalogue of which a law with numbers is an example, and the values of its parameters."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import sympy as sp
 
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, Substitution
 from stickslip_sym.core.symbols import v
 from stickslip_sym.model.expression.letters import is_same, substitute_numbers
 from stickslip_sym.model.law import FrictionLaw
@@ -15,7 +15,7 @@ _Equation = tuple[Expr, Expr]
 """An expression in the parameters of a law of the catalogue, and the number that it is."""
 
 
-def law_of_same_shape(law: FrictionLaw) -> tuple[FrictionLaw, Mapping[Expr, Expr]] | None:
+def law_of_same_shape(law: FrictionLaw) -> tuple[FrictionLaw, Substitution] | None:
     """Return a law of the catalogue and values for which it is the law given, which has no parameters; or None.
 
     The values are positive rational numbers. Of several laws it is the first one of the catalogue.

@@ -19,7 +19,7 @@ A table ends where mu varies too often, as a sine does for ever: a motion that c
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache, partial
 from itertools import pairwise
@@ -32,7 +32,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, IntArray
+from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, IntArray, Substitution
 from stickslip_sym.core.balls import BallFunction, ball_function
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.numbers import SAME
@@ -168,7 +168,7 @@ class FrictionTable:
     @staticmethod
     def of(
         segments: Sequence[Smooth],
-        point: Mapping[Expr, Expr],
+        point: Substitution,
         onset: float,
         reach: float,
         upto: float | None = None,
@@ -320,7 +320,7 @@ class _Segment:
     cuts: int = 0
     is_rough: bool = False
 
-    def read(self, expr: Expr, point: Mapping[Expr, Expr]) -> None:
+    def read(self, expr: Expr, point: Substitution) -> None:
         """Take from the formula of the segment where it varies quickly, and bounds of its slope."""
         quick = transitions(expr, point)
         self.changes = np.reshape(np.array(quick, dtype=np.float64), (len(quick), 2)).T

@@ -10,7 +10,7 @@ inclusion methods, Int. J. Pure Appl. Math. 4, 2003); a function's own remainder
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, reduce
 from operator import mul
@@ -20,7 +20,7 @@ import sympy as sp
 from flint import acb, acb_poly, arb, arb_poly, arb_series, ctx
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr, FloatArray
+from stickslip_sym.core.aliases import Expr, FloatArray, Substitution
 from stickslip_sym.core.balls import BallFunction, ball_function, number_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import fold
@@ -203,7 +203,7 @@ def _bound_within_radius(polynomial: arb_poly, radius: arb) -> arb:
     return arb_poly([abs(c) for c in polynomial])(radius)
 
 
-def unit_of_powers(expr: Expr, point: Mapping[Expr, Expr]) -> int:
+def unit_of_powers(expr: Expr, point: Substitution) -> int:
     """Return the common denominator of the powers of v at rest."""
     exponents = [node.exp.xreplace(dict(point)) for node in expr.atoms(sp.Pow) if node.base == symbols.v]
     return math.lcm(*(int(exponent.q) for exponent in exponents if exponent.is_Rational))
@@ -243,7 +243,7 @@ class RestPolynomial:
         return np.asarray(value)
 
 
-def taylor_model(expr: Expr, point: Mapping[Expr, Expr]) -> TaylorModel | None:
+def taylor_model(expr: Expr, point: Substitution) -> TaylorModel | None:
     """Return a smooth coefficient near rest at the working precision; None where it has no such series.
 
     A coefficient with a pole or a logarithm at v = 0 has none.
@@ -258,7 +258,7 @@ def _made(expr: Expr, point: tuple[tuple[Expr, Expr], ...], bits: int) -> Taylor
     return None if model is None else _remove_pole(model, whole, dict(point))
 
 
-def _model_with_pole(expr: Expr, point: Mapping[Expr, Expr], bits: int) -> TaylorModel | None:
+def _model_with_pole(expr: Expr, point: Substitution, bits: int) -> TaylorModel | None:
     """Return the model of a function that may have a pole at v = 0."""
     unit = unit_of_powers(expr, point)
     count = min(bits // 3 + 10, _MOST_TERMS)
@@ -274,7 +274,7 @@ def _model_with_pole(expr: Expr, point: Mapping[Expr, Expr], bits: int) -> Taylo
     return None
 
 
-def poles(expr: Expr, point: Mapping[Expr, Expr]) -> dict[Expr, arb]:
+def poles(expr: Expr, point: Substitution) -> dict[Expr, arb]:
     """Return the coefficients of the negative powers of v of a function at rest; none where it has no series."""
     with working_precision(_BITS_OF_FLOATS):
         model = _model_with_pole(expr, point, _BITS_OF_FLOATS)
@@ -284,7 +284,7 @@ def poles(expr: Expr, point: Mapping[Expr, Expr]) -> dict[Expr, arb]:
     return {sp.Rational(model.low + k, model.unit): model.polynomial[k] for k in range(count)}
 
 
-def _remove_pole(model: TaylorModel, expr: Expr, point: Mapping[Expr, Expr]) -> TaylorModel | None:
+def _remove_pole(model: TaylorModel, expr: Expr, point: Substitution) -> TaylorModel | None:
     """Return a model without a pole; None if it has one.
 
     Coefficients below x^0 that balls do not tell from 0 are 0 where the coefficient has a finite limit.
@@ -297,7 +297,7 @@ def _remove_pole(model: TaylorModel, expr: Expr, point: Mapping[Expr, Expr]) -> 
     return replace(model, low=0, polynomial=model.polynomial.right_shift(-model.low))
 
 
-def coefficient_near_rest(expr: Expr, point: Mapping[Expr, Expr]) -> tuple[float, RestPolynomial] | None:
+def coefficient_near_rest(expr: Expr, point: Substitution) -> tuple[float, RestPolynomial] | None:
     """Return a coefficient near rest where its formula is no number at v = 0; None where it is, or has no series.
 
     That is the slip speed up to which it holds, and a polynomial in v^(1/unit) with unit and coefficients.
@@ -316,7 +316,7 @@ def coefficient_near_rest(expr: Expr, point: Mapping[Expr, Expr]) -> tuple[float
         return reach**model.unit, RestPolynomial(model.unit, tuple([0.0] * model.low + kept))
 
 
-def _lowest_scale(expr: Expr, point: Mapping[Expr, Expr]) -> float:
+def _lowest_scale(expr: Expr, point: Substitution) -> float:
     """Return the least slip speed at which an argument of a function or a base is as large as it is at rest."""
     scales = [1.0]
     for node in expr.atoms(sp.Function, sp.Pow):
@@ -335,7 +335,7 @@ def _lowest_scale(expr: Expr, point: Mapping[Expr, Expr]) -> float:
     return min(scales)
 
 
-def balls_from_rest(mu: Expr, point: Mapping[Expr, Expr], *, slope: Expr | None = None) -> BallFunction:
+def balls_from_rest(mu: Expr, point: Substitution, *, slope: Expr | None = None) -> BallFunction:
     """Return a smooth coefficient, or its slope, as a function of balls, finite around v = 0 where it is there.
 
     The coefficient is expanded only where its formula has no value at v = 0.

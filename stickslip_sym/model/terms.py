@@ -14,7 +14,7 @@ from itertools import pairwise
 import sympy as sp
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Condition, Expr
+from stickslip_sym.core.aliases import Condition, Expr, Substitution
 from stickslip_sym.core.balls import ball_value
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.expression.letters import name_constants, substitute_numbers
@@ -44,7 +44,7 @@ class Term:
     amplitude: Expr
     scale: Expr
     profile: Expr
-    shapes: Mapping[Expr, Expr] = field(default_factory=dict)
+    shapes: Substitution = field(default_factory=dict)
 
     @property
     def expr(self) -> Expr:
@@ -122,7 +122,7 @@ def _cancelling(parts: Mapping[Expr, Expr]) -> list[list[Expr]]:
     return groups
 
 
-def _is_infinite(function: Expr, point: Mapping[Expr, Expr], *, far: bool) -> bool:
+def _is_infinite(function: Expr, point: Substitution, *, far: bool) -> bool:
     """Whether a function has no finite value at rest, or is large far out."""
     if not far:
         return bool(function.subs(symbols.v, 0).has(sp.nan, sp.zoo, sp.oo, -sp.oo))

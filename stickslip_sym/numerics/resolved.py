@@ -19,7 +19,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from scipy.optimize import brentq
 
-from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.aliases import FloatArray, Span
 from stickslip_sym.numerics.chebyshev import derivative_coefficients, grid, polynomial_values, real_roots, tail
 from stickslip_sym.numerics.known import Column, Unknown
 from stickslip_sym.numerics.subdivide import (
@@ -220,7 +220,7 @@ class Resolved:
                 rows.append((piece, turns, Range(min(values), max(values))))
         return rows
 
-    def open_at(self, level: float) -> list[tuple[float, float]]:
+    def open_at(self, level: float) -> list[Span]:
         """Return the intervals in which it is not known how often the function takes a value, ascending.
 
         They are the open ones that may take it, and coarse pieces on which their errors may hide that it is taken

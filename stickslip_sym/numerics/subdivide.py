@@ -12,7 +12,7 @@ from typing import Any, Generic, NamedTuple, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 
-from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.aliases import FloatArray, Span
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.numerics.known import Unknown
 
@@ -263,9 +263,9 @@ def locate_boundary(
     return inside, outside
 
 
-def joined(intervals: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
+def joined(intervals: Iterable[Span]) -> list[Span]:
     """Return intervals, ascending, those that touch as one."""
-    together = list[tuple[float, float]]()
+    together = list[Span]()
     for low, high in sorted(intervals):
         if together and low <= together[-1][1]:
             together[-1] = together[-1][0], max(high, together[-1][1])

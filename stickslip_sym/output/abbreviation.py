@@ -8,7 +8,7 @@ from textwrap import fill
 
 import sympy as sp
 
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, Substitution
 from stickslip_sym.output.layout import LINE, displayed, width
 from stickslip_sym.output.notation import look, notation_of
 from stickslip_sym.output.printing import latex, latex_value
@@ -25,7 +25,7 @@ Definitions = list[tuple[Expr, Expr]]
 
 
 def displayed_equation(
-    left: str, right: Expr, names: Mapping[str, str], letters: Mapping[Expr, Expr] | None = None, **style: str
+    left: str, right: Expr, names: Mapping[str, str], letters: Substitution | None = None, **style: str
 ) -> str:
     """Return a displayed equation with a side that is LaTeX already, and the definitions that follow it.
 

@@ -27,7 +27,7 @@ from stickslip_sym.certificates.coq.words import (
     square_free,
 )
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Condition, Expr
+from stickslip_sym.core.aliases import Condition, Expr, Substitution
 from stickslip_sym.formula.average import Average
 from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.formula.derivation import Step
@@ -271,7 +271,7 @@ class Integral(Script):
     def _rise(self, value: Expr, primitives: Sequence[Expr], ends: Sequence[Expr]) -> str:
         """Prove that antiderivatives rise by the value."""
         moving = [root for root in roots_of(*primitives) if root.has(self.u)]
-        at: list[Mapping[Expr, Expr]] = [{self.u: end} for end in ends]
+        at: list[Substitution] = [{self.u: end} for end in ends]
         radicands = [root.args[0].subs(letters) for root in moving for letters in at]
         made = [square_free(y) for y in radicands if y != 0]
         factors = list[Expr]()

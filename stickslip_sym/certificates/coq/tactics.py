@@ -2,7 +2,7 @@
 
 import re
 import textwrap
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from string import Template
 
@@ -24,7 +24,7 @@ from stickslip_sym.certificates.coq.words import (
 )
 from stickslip_sym.certificates.python_printer import WIDTH
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Condition, Expr
+from stickslip_sym.core.aliases import Condition, Expr, Substitution
 from stickslip_sym.formula.closed_form import ClosedForm
 
 
@@ -196,7 +196,7 @@ class Script:
         for radicand, divisor in sorted(set(roots), key=str):
             yield f"one_root {self.whole(radicand)} {self.whole(divisor)}"
 
-    def valued(self, using: str, *exprs: Expr, at: Sequence[Mapping[Expr, Expr]] = ({},)) -> Iterator[str]:
+    def valued(self, using: str, *exprs: Expr, at: Sequence[Substitution] = ({},)) -> Iterator[str]:
         """Yield tactics for the values of functions at 0 and 1, where letters are as in `at`."""
         for head in self.heads(*exprs):
             name = head.strip("()").split()[0]
@@ -213,7 +213,7 @@ class Script:
                     yield f"value atan (sqrt 3 / 3) by {_equality_tactic(using)}"
                     yield "rewrite ?atan_sixth"
 
-    def _may_be(self, name: str, value: Expr, exprs: Sequence[Expr], at: Sequence[Mapping[Expr, Expr]]) -> bool:
+    def _may_be(self, name: str, value: Expr, exprs: Sequence[Expr], at: Sequence[Substitution]) -> bool:
         """Tell whether a function may stand at a value in some expressions: no number tells it from that."""
         nodes = functions_of(*exprs)
         if name == "exp" and any(node.func.__name__ in _BY_EXPONENTIALS for node in nodes):

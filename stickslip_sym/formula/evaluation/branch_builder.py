@@ -10,7 +10,7 @@ Each is compared with balls at its ends and between them before it is used.
 
 import math
 from bisect import bisect_left, bisect_right
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache, reduce
 from itertools import pairwise
@@ -21,7 +21,7 @@ from flint import acb, arb
 from sympy.printing.numpy import NumPyPrinter
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr, FloatArray
+from stickslip_sym.core.aliases import Expr, FloatArray, Substitution
 from stickslip_sym.core.balls import ball
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.functions import elementary
@@ -107,7 +107,7 @@ def branches_of(
         return attempted(made)
 
 
-def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Mapping[Expr, Expr]) -> Verdict:
+def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Substitution) -> Verdict:
     """Compare each branch with enclosures of the definition: at its ends, between them, and far beyond."""
     mean_slope = MeanSlope(profile, criterion, shapes)
     values = [float(x) for x in shapes.values()]

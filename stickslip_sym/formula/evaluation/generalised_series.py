@@ -7,14 +7,14 @@ the powers of the weight near v = 0; where both meet in one power, it stands bes
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 import sympy as sp
 from flint import acb, arb
 
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, Substitution
 from stickslip_sym.core.balls import ball_function, rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import Function, elementary, fold, write_erfcx
@@ -139,7 +139,7 @@ def _expand_superpolynomial(node: Expr, parts: list[GeneralisedSeries]) -> Gener
 class _GeneralExpansion(ExpansionAlgebra[GeneralisedSeries]):
     """The algebra of generalised series in x = v, or in x = 1/v far out."""
 
-    def __init__(self, point: Mapping[Expr, Expr], unit: int, far: bool) -> None:
+    def __init__(self, point: Substitution, unit: int, far: bool) -> None:
         super().__init__(point, GeneralisedSeries({(-unit if far else unit, 0): arb(1)}), _SERIES_TERMS)
         self.unit = unit
         self.far = far
@@ -192,7 +192,7 @@ class _GeneralExpansion(ExpansionAlgebra[GeneralisedSeries]):
         return self.v.constant(arb(limit))
 
 
-def expanded(slope: Expr, point: Mapping[Expr, Expr], unit: int, *, far: bool) -> GeneralisedSeries:
+def expanded(slope: Expr, point: Substitution, unit: int, *, far: bool) -> GeneralisedSeries:
     """Return the series of a slope at rest, or in 1/v far out; the exponents are in units of 1/`unit`."""
     try:
         series = fold(write_erfcx(elementary(slope)), _GeneralExpansion(point, unit, far))
@@ -203,7 +203,7 @@ def expanded(slope: Expr, point: Mapping[Expr, Expr], unit: int, *, far: bool) -
     return series
 
 
-def common_denominator(slope: Expr, point: Mapping[Expr, Expr], criterion: Criterion) -> int:
+def common_denominator(slope: Expr, point: Substitution, criterion: Criterion) -> int:
     """Return the common denominator of all exponents in the series of a slope and of its average."""
     exponents = [node.exp.xreplace(dict(point)) for node in slope.atoms(sp.Pow)]
     denominators = [int(exponent.q) for exponent in exponents if exponent.is_Rational]

@@ -19,7 +19,7 @@ import sympy as sp
 from flint import acb, arb, arb_mat, arb_poly, arb_series, fmpq_poly
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr, FloatArray
+from stickslip_sym.core.aliases import Expr, FloatArray, Substitution
 from stickslip_sym.core.balls import BallFunction, ball, ball_function, ball_value, rational, series_function
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged
@@ -105,9 +105,7 @@ class ReferenceAverage:
     places, or cancels at all of them. A function that has no balls is refused.
     """
 
-    def __init__(
-        self, profile: Expr, criterion: Criterion, closed: Expr | None, point: Mapping[Expr, Expr]
-    ) -> None:
+    def __init__(self, profile: Expr, criterion: Criterion, closed: Expr | None, point: Substitution) -> None:
         self.profile = profile
         self.criterion = criterion
         self.point = point
@@ -388,7 +386,7 @@ class ReferenceAverage:
             return 2 / arb.pi() * total
 
 
-def _reals(exprs: Iterable[Expr], point: Mapping[Expr, Expr]) -> list[arb]:
+def _reals(exprs: Iterable[Expr], point: Substitution) -> list[arb]:
     return [ball_value(expr, point).real for expr in exprs]
 
 
@@ -465,9 +463,7 @@ class MeanSlope:
 
     _LEVELS, _POINTS = 70, 6  # panels towards x = 0, nodes in each
 
-    def __init__(
-        self, profile: Expr, criterion: Criterion, parameters: Sequence[Expr] | Mapping[Expr, Expr]
-    ) -> None:
+    def __init__(self, profile: Expr, criterion: Criterion, parameters: Sequence[Expr] | Substitution) -> None:
         slope = stable_slope_of(profile)
         self._local = criterion.weight is None
         point = parameters if isinstance(parameters, Mapping) else {}
@@ -510,7 +506,7 @@ class MeanSlope:
 _ARGUMENT_GRID = 2.0 ** np.arange(-30, 40, 1 / 16)  # where an argument is looked at for a change of its sign
 
 
-def reach_of(profile: Expr, point: Mapping[Expr, Expr]) -> float:
+def reach_of(profile: Expr, point: Substitution) -> float:
     """Return the speed at which a profile ends: at a pole, or where a logarithm or a root has no real value.
 
     Infinity where there is none up to 2^40.
@@ -525,7 +521,7 @@ def reach_of(profile: Expr, point: Mapping[Expr, Expr]) -> float:
     return min((_first_zero(a, point) for a in arguments if a.has(symbols.v)), default=np.inf)
 
 
-def _first_zero(expr: Expr, point: Mapping[Expr, Expr]) -> float:
+def _first_zero(expr: Expr, point: Substitution) -> float:
     """Return the lowest speed at which a function of v is 0 or changes its sign, or infinity.
 
     Of a polynomial by its exact roots: in floats a sum that is nearly 0, as beside a narrow peak, has any sign.
@@ -551,7 +547,7 @@ def _first_zero(expr: Expr, point: Mapping[Expr, Expr]) -> float:
     return locate_boundary(is_below, float(_ARGUMENT_GRID[first]), float(_ARGUMENT_GRID[first + 1]), 0.0)[0]
 
 
-def _positive_zeros(expr: Expr, point: Mapping[Expr, Expr]) -> list[float] | None:
+def _positive_zeros(expr: Expr, point: Substitution) -> list[float] | None:
     """Return the zeros of a polynomial in v above 0; None for another function."""
     bound = expr.xreplace(dict(point))
     if not bound.is_polynomial(symbols.v):
@@ -563,7 +559,7 @@ def _positive_zeros(expr: Expr, point: Mapping[Expr, Expr]) -> list[float] | Non
     return [zero.real for zero in zeros if zero.imag == 0 and zero.real > 0]
 
 
-def scales_of(profile: Expr, point: Mapping[Expr, Expr]) -> tuple[float, float]:
+def scales_of(profile: Expr, point: Substitution) -> tuple[float, float]:
     """Return the lowest and the highest speed at which the formula of a profile changes its way; 1 is between.
 
     In a sum of powers of v that is where two of them are equal and no other is larger; in the argument of a

@@ -6,7 +6,7 @@ does not.
 """
 
 import random
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from fractions import Fraction
 
@@ -14,7 +14,7 @@ import sympy as sp
 from flint import acb, arb
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Condition, Expr
+from stickslip_sym.core.aliases import Condition, Expr, Substitution
 from stickslip_sym.core.balls import ball, ball_value
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged
@@ -94,20 +94,20 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
     return Verdict(Status.ESTIMATED, evidence)
 
 
-def _profile_at_share(profile: Expr, point: Mapping[Expr, Expr], share: Expr) -> acb:
+def _profile_at_share(profile: Expr, point: Substitution, share: Expr) -> acb:
     """Return a profile at a share of V."""
     with working_precision(_LEAST_BITS):
         return ball_value(profile, {**point, symbols.v: share * point[symbols.V]})
 
 
-def _is_real(profile: Expr, criterion: Criterion, point: Mapping[Expr, Expr]) -> bool:
+def _is_real(profile: Expr, criterion: Criterion, point: Substitution) -> bool:
     """Whether a profile is real at the lowest and at the highest slip speeds that its average needs."""
     shares = (sp.S.One,) if criterion.weight is None else (_NEARLY_AT_REST, sp.Integer(2))
     values = [_profile_at_share(profile, point, share) for share in shares]
     return all(value.is_finite() and value.imag.contains(0) for value in values)
 
 
-def _is_known(side: Enclosure, profile: Expr, point: Mapping[Expr, Expr], digits: int) -> bool:
+def _is_known(side: Enclosure, profile: Expr, point: Substitution, digits: int) -> bool:
     """Whether an enclosure says enough: to so many digits, or that the value is 0 beside g(V)/V."""
     if side.digits >= digits:
         return True
@@ -115,7 +115,7 @@ def _is_known(side: Enclosure, profile: Expr, point: Mapping[Expr, Expr], digits
     return 0 in side and side.radius <= Fraction(size) / 10**GATE_DIGITS
 
 
-def _definition(profile: Expr, criterion: Criterion, point: Mapping[Expr, Expr]) -> tuple[Enclosure, bool]:
+def _definition(profile: Expr, criterion: Criterion, point: Substitution) -> tuple[Enclosure, bool]:
     """Return the average by its definition, and whether it is enclosed for certain."""
     shapes = {symbol: value for symbol, value in point.items() if symbol != symbols.V}
 

@@ -10,7 +10,7 @@ it open, no more than ESTIMATED is claimed.
 
 import math
 import random
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
@@ -20,7 +20,7 @@ from flint import acb, arb
 from sympy.core.function import AppliedUndef
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Condition, Expr
+from stickslip_sym.core.aliases import Condition, Expr, Substitution
 from stickslip_sym.core.balls import ball, ball_function, integrated
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.precision import refined
@@ -58,7 +58,7 @@ class Verdict(Shown, DataResult):
 
     status: Status
     evidence: str
-    point: Mapping[Expr, Expr] = field(default_factory=dict)
+    point: Substitution = field(default_factory=dict)
 
     def __str__(self) -> str:
         return f"{self.status.value}: {self.evidence}"
@@ -219,7 +219,7 @@ def _word(key: Expr, value: Expr) -> str:
 # -- a ball around a value, integrals and all -------------------------------------------------------
 
 
-def _value(expr: Expr, point: Mapping[Expr, Expr]) -> acb:
+def _value(expr: Expr, point: Substitution) -> acb:
     """Return a ball around an expression at exact values of its symbols and examples of its functions.
 
     Raises

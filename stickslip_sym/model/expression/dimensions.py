@@ -10,7 +10,7 @@ from collections.abc import Mapping
 import sympy as sp
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, Substitution
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import fold
 from stickslip_sym.model.expression.parsing import parse_expression
@@ -60,7 +60,7 @@ class _Dimensions:
     The unit of a number, or of a condition, that stands for itself is None: it may be any.
     """
 
-    def __init__(self, known: Mapping[Expr, Expr]) -> None:
+    def __init__(self, known: Substitution) -> None:
         powers = {symbol: unit.as_powers_dict() for symbol, unit in known.items()}
         self.units = {symbol: sp.Add(*(base * of[base] for base in _BASE)) for symbol, of in powers.items()}
         self.solved: dict[Expr, Expr] = {}

@@ -4,14 +4,14 @@ With exponents such as 1.23456789, or decimals of fifteen digits, exact algebra 
 integers of fifty digits. A formula in letters has neither; the numbers return where a value is asked for.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import lru_cache
 
 import sympy as sp
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, Substitution
 from stickslip_sym.core.functions import power
 from stickslip_sym.core.special import NumberPower
 from stickslip_sym.output.text_printer import decimal
@@ -36,7 +36,7 @@ class NamedConstants:
     """A formula in letters, and what each letter stands for: a positive number, or a sum of parameters."""
 
     expr: Expr
-    meanings: Mapping[Expr, Expr] = field(default_factory=dict)
+    meanings: Substitution = field(default_factory=dict)
 
     def put_back(self, expr: Expr) -> Expr:
         """Write what the letters stand for in their place."""
@@ -68,7 +68,7 @@ def is_same(expr: Expr, other: Expr) -> bool:
     return bool(expr == other or sp.expand(expr) == sp.expand(other))
 
 
-def substitute_numbers(expr: Expr, meanings: Mapping[Expr, Expr]) -> Expr:
+def substitute_numbers(expr: Expr, meanings: Substitution) -> Expr:
     """Replace letters by what they stand for; no power of a number is computed that SymPy would take apart."""
     if not meanings or not expr.free_symbols & meanings.keys():
         return expr

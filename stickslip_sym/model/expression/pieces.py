@@ -4,7 +4,7 @@ Abs, Min and Max become pieces when a law is read, so all that comes later (clos
 functions) knows one kind of kink only, one in a term, and knows exactly where it is.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import lru_cache, reduce
 from itertools import pairwise
 from typing import NamedTuple, TypeAlias
@@ -12,7 +12,7 @@ from typing import NamedTuple, TypeAlias
 import sympy as sp
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Condition, Expr, Relation
+from stickslip_sym.core.aliases import Condition, Expr, Relation, Substitution
 from stickslip_sym.core.balls import place_at, resolve_kinks
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import power, row
@@ -133,7 +133,7 @@ def mean_slope_at_kinks(slope: Expr) -> Expr:
     return sp.Add(*(with_mean(term) if kinked(term) else term for term in sp.Add.make_args(slope)))
 
 
-def kinks_at(expr: Expr, point: Mapping[Expr, Expr], what: str = "mu") -> list[Expr]:
+def kinks_at(expr: Expr, point: Substitution, what: str = "mu") -> list[Expr]:
     """Return the slip speeds v > 0 at which an expression or its slope may jump, exact and ascending.
 
     A place that is not real at the values of the parameters is refused.
@@ -148,7 +148,7 @@ def kinks_at(expr: Expr, point: Mapping[Expr, Expr], what: str = "mu") -> list[E
     return sorted(speed for speed in set(speeds.values()) if 0 < speed < sp.oo)
 
 
-def drop_unreachable_kinks(expr: Expr, point: Mapping[Expr, Expr]) -> Expr:
+def drop_unreachable_kinks(expr: Expr, point: Substitution) -> Expr:
     """Return an expression without the kinks whose places no speed reaches at the values of the parameters.
 
     Arithmetic of floats would divide by 0 there.
@@ -162,7 +162,7 @@ def drop_unreachable_kinks(expr: Expr, point: Mapping[Expr, Expr]) -> Expr:
     )
 
 
-def jumps(expr: Expr, point: Mapping[Expr, Expr]) -> list[tuple[Expr, Expr]]:
+def jumps(expr: Expr, point: Substitution) -> list[tuple[Expr, Expr]]:
     """Return the slip speeds v > 0 where an expression itself may jump, and its right minus its left limit.
 
     Both are formulas, of the pieces that meet there at the values of the parameters.
@@ -186,7 +186,7 @@ def rate(expr: Expr, parameter: Expr) -> Expr:
     )
 
 
-def branch_from(expr: Expr, values: Mapping[Expr, Expr], start: Expr) -> Expr:
+def branch_from(expr: Expr, values: Substitution, start: Expr) -> Expr:
     """Return an expression with each kink replaced by the piece that holds just above a slip speed.
 
     `values` are those of the parameters, whose symbols stay. Conditions read v < place, so the piece that holds at

@@ -7,7 +7,7 @@ large. What stands in functions, but is no polynomial in v or in its logarithm, 
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from functools import reduce
 from operator import add, mul
 from typing import Any, NamedTuple
@@ -17,7 +17,7 @@ import sympy as sp
 from flint import fmpq, fmpq_poly
 
 from stickslip_sym.core import symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, Substitution
 from stickslip_sym.core.balls import number_at, rational
 from stickslip_sym.core.functions import fold, row
 
@@ -45,7 +45,7 @@ class Transition(NamedTuple):
     width: float
 
 
-def transitions(expr: Expr, point: Mapping[Expr, Expr]) -> list[Transition]:
+def transitions(expr: Expr, point: Substitution) -> list[Transition]:
     """Return where a smooth piece of a coefficient may vary quickly, at values of its parameters."""
     quick = list[Transition]()
     exponents = dict[Expr, fmpq_poly]()
@@ -91,7 +91,7 @@ def transitions(expr: Expr, point: Mapping[Expr, Expr]) -> list[Transition]:
     return [change for change in dict.fromkeys(quick) if 0 < change.speed < math.inf]
 
 
-def _constant_polynomial(node: Expr, point: Mapping[Expr, Expr]) -> fmpq_poly | None:
+def _constant_polynomial(node: Expr, point: Substitution) -> fmpq_poly | None:
     """Return a number as a polynomial; None where it has no finite real value."""
     value = number_at(node, point)
     if not value.is_finite:
@@ -99,7 +99,7 @@ def _constant_polynomial(node: Expr, point: Mapping[Expr, Expr]) -> fmpq_poly | 
     return fmpq_poly([rational(value if value.is_Rational else sp.Rational(value.n(_DIGITS_OF_CONSTANT)))])
 
 
-def _logarithm_of_power(node: Expr, point: Mapping[Expr, Expr]) -> _Argument | None:
+def _logarithm_of_power(node: Expr, point: Substitution) -> _Argument | None:
     """Return the logarithm of a power of v, with a factor, as a polynomial in log(v); None for all else."""
     if not isinstance(node, sp.log):
         return None

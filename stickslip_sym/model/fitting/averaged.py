@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri, stdtr, stdtrit
 
-from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.aliases import FloatArray, Span
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.data import DataResult, TableResult, columns_of
 
@@ -140,7 +140,7 @@ class Averaged(TableResult):
     def _table_columns(self) -> dict[str, list[Any]]:
         return columns_of(self.rows, "law", "weight", "value", "standard_error")
 
-    def interval(self, level: float = USUAL_PROBABILITY) -> tuple[float, float]:
+    def interval(self, level: float = USUAL_PROBABILITY) -> Span:
         """Return the interval that holds the quantity with a probability, averaged over laws.
 
         If friction may build up from 0 where it was not measured, it reaches down to what it is then.
@@ -158,14 +158,14 @@ class Averaged(TableResult):
 
         return end((1 + level) / 2) - self.unmeasured, end((1 - level) / 2)
 
-    def range(self, level: float = USUAL_PROBABILITY) -> tuple[float, float]:
+    def range(self, level: float = USUAL_PROBABILITY) -> Span:
         """Return from where to where such intervals of all laws reach together, each by its law alone.
 
         If friction may build up from 0 where it was not measured, they reach down to what it is then.
         """
         share = (1 + level) / 2
         student = stdtrit(self.dof, share) if self.dof > 0 else np.inf
-        ends = list[tuple[float, float]]()
+        ends = list[Span]()
         for row in self.rows:
             of_fit = student * row.of_fit if row.of_fit > 0 else 0.0
             half = float(np.hypot(of_fit, ndtri(share) * row.of_point))

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from scipy.special import ndtri, stdtrit
 from uncertainties import UFloat, correlated_values
 
-from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.aliases import FloatArray, Span
 from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.core.names import lookup
 from stickslip_sym.core.numbers import read_array, real
@@ -98,7 +98,7 @@ class Fit(_Report, DataResult, by_identity=True):
     inflation: float
     noise: str = ""
     jumps: tuple[str, ...] = ()
-    jump_intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    jump_intervals: Mapping[str, Span] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     aicc: float = math.inf
     weight: float = 1.0
@@ -162,9 +162,7 @@ class Fit(_Report, DataResult, by_identity=True):
             f"it was measured from {low:.3g} to {high:.3g} m/s"
         )
 
-    def confidence(
-        self, level: float = USUAL_PROBABILITY, *, profile: bool = False
-    ) -> dict[str, tuple[float, float]]:
+    def confidence(self, level: float = USUAL_PROBABILITY, *, profile: bool = False) -> dict[str, Span]:
         """Return an interval for each fitted parameter that holds the true value with a probability.
 
         Parameters
@@ -182,7 +180,7 @@ class Fit(_Report, DataResult, by_identity=True):
             If the level is not between 0 and 1.
         """
         quantile = self._quantile(level)
-        intervals = dict[str, tuple[float, float]]()
+        intervals = dict[str, Span]()
         for (name, value), error in zip(self.values.items(), self.standard_errors.values(), strict=True):
             half = quantile * error
             if level == USUAL_PROBABILITY and name in self.jump_intervals:
