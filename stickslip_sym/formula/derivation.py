@@ -1,12 +1,12 @@
 """`Derivation`: a list of steps, each with its operation, its reason, its result and a computed verdict."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import sympy as sp
 
-from stickslip_sym.core.aliases import Condition, Expr, Substitution
+from stickslip_sym.core.aliases import Condition, Expr, Notation, Substitution
 from stickslip_sym.core.status import Status
 from stickslip_sym.core.symbols import QUANTITIES, V, v
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal, prove_positive
@@ -135,7 +135,7 @@ class Derivation(Shown, DataResult):
             ]
         return "\n".join(lines)
 
-    def latex(self, names: Mapping[str, str] | None = None, *, heading: str | None = None) -> str:
+    def latex(self, names: Notation | None = None, *, heading: str | None = None) -> str:
         """Return the steps as LaTeX paragraphs with displayed equations that fit a text of 120 mm.
 
         Parameters
@@ -168,7 +168,7 @@ class Derivation(Shown, DataResult):
             parts.append(f"{words[0].upper()}{words[1:]}{units}.\n{shown}\n% {step.verdict.status.value}")
         return "\n\n".join(parts) + "\n"
 
-    def notation(self, given: Mapping[str, str] | None = None) -> dict[str, str]:
+    def notation(self, given: Notation | None = None) -> dict[str, str]:
         """Return the LaTeX of every symbol, the same in all steps."""
         symbols = {symbol for step in self.steps for symbol in step.statement.atoms(sp.Symbol)}
         return distinct_notation((symbol.name for symbol in symbols if not symbol.is_Dummy), given or {})
@@ -180,9 +180,7 @@ class Derivation(Shown, DataResult):
         return f"Derivation: {self.name}, {len(self.steps)} steps, {self.status.value}"
 
 
-def _sentence_latex(
-    text: str, formulas: Sequence[Expr | Condition], known: Mapping[str, str], names: Mapping[str, str]
-) -> str:
+def _sentence_latex(text: str, formulas: Sequence[Expr | Condition], known: Notation, names: Notation) -> str:
     """Return a sentence as LaTeX, the formulas in it as formulas, wherever they stand there as text."""
     for formula in formulas:
         found = re.search(rf"(?<!\w){re.escape(printing.text(formula))}(?!\w)", text)
@@ -199,7 +197,7 @@ def _sentence_latex(
     return prose_latex(text, known)
 
 
-def _hat_scaled_speeds(step: Step, names: Mapping[str, str]) -> dict[str, str]:
+def _hat_scaled_speeds(step: Step, names: Notation) -> dict[str, str]:
     """Return names with a hat on each speed that is in units of a scale, so that a letter means one thing."""
     usual = notation_of(QUANTITIES) | dict(names)
     hats = dict(names)
@@ -210,7 +208,7 @@ def _hat_scaled_speeds(step: Step, names: Mapping[str, str]) -> dict[str, str]:
     return hats
 
 
-def _units(step: Step, names: Mapping[str, str], written: Mapping[str, str]) -> str:
+def _units(step: Step, names: Notation, written: Notation) -> str:
     """Say what the speeds in units of a scale, and the shapes of a profile, are."""
     lists = []
     for meaning in step.meanings:

@@ -6,12 +6,12 @@ a comment.
 
 import itertools
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import compress
 from typing import Any
 
 from stickslip_sym.core import symbols as quantities
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, Notation
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import FUNCTIONS
 from stickslip_sym.formula.closed_form import ClosedForm
@@ -121,7 +121,7 @@ def code_name(name: str) -> str:
 def export_latex(
     forms: ClosedForm | Sequence[ClosedForm],
     *,
-    symbols: Mapping[str, str] | None = None,
+    symbols: Notation | None = None,
     fragment: bool = False,
     steps: bool = False,
     missing: Sequence[tuple[FrictionLaw, str, str]] = (),
@@ -196,7 +196,7 @@ def export_latex(
     return "\n".join(parts) + ("" if fragment else "\n\\end{document}\n")
 
 
-def _introduction(n: Mapping[str, str]) -> str:
+def _introduction(n: Notation) -> str:
     return (
         f"\\noindent A mass ${n['m']}$ on a spring ${n['k']}$ and a damper ${n['c']}$ is pressed "
         f"by the force ${n['N']}$ on a belt of speed ${n['V']}$:\n\\begin{{equation*}}\n"
@@ -206,7 +206,7 @@ def _introduction(n: Mapping[str, str]) -> str:
     )
 
 
-def _describe_law(law: FrictionLaw, mark: str, names: Mapping[str, str]) -> Iterator[str]:
+def _describe_law(law: FrictionLaw, mark: str, names: Notation) -> Iterator[str]:
     """Give the formula of a law, its source and validity, and a table of its symbols."""
     yield (
         f"The coefficient of friction at the slip speed ${names['v']}$ is\n% exact: mu(v) = {law.text}\n"
@@ -218,7 +218,7 @@ def _describe_law(law: FrictionLaw, mark: str, names: Mapping[str, str]) -> Iter
     yield _symbol_table(law, names)
 
 
-def _symbol_table(law: FrictionLaw, names: Mapping[str, str]) -> str:
+def _symbol_table(law: FrictionLaw, names: Notation) -> str:
     """Return the table of symbols, without columns that would be empty; what is not described is one row."""
     known = {name: quantities.QUANTITIES[name] for name in "cNVv"}
     rows = [(f"${names[name]}$", _meaning(quantity.meaning, names), _unit(quantity.unit), "")
@@ -239,7 +239,7 @@ def _symbol_table(law: FrictionLaw, names: Mapping[str, str]) -> str:
     return _TABLE % ("".join(_COLUMNS[title] for title in kept), " & ".join(kept), "\n".join(lines))
 
 
-def _meaning(text: str, names: Mapping[str, str]) -> str:
+def _meaning(text: str, names: Notation) -> str:
     before, slip, after = text.replace("|x' - V|", "|V - x'|").partition("|V - x'|")
     speed = ""
     if slip:
@@ -261,7 +261,7 @@ def criterion_latex(form: ClosedForm, label: str) -> str:
 
 
 def _criterion_section(
-    form: ClosedForm, mark: str, given: Mapping[str, str], steps: bool, certificate: str
+    form: ClosedForm, mark: str, given: Notation, steps: bool, certificate: str
 ) -> Iterator[str]:
     criterion = form.criterion
     (shown, letters) = form.readable
@@ -288,7 +288,7 @@ def _criterion_section(
         yield form.derivation.latex(names, heading=f"Derivation of (\\ref{{{label}}})")
 
 
-def _hypergeometric_cases(z: Expr, names: Mapping[str, str]) -> str:
+def _hypergeometric_cases(z: Expr, names: Notation) -> str:
     """Say what 2F1(1/2, 1; 3/2; z) is for either sign of z, which is that of a discriminant."""
     deciding = printing.latex(factor_of_sign(z), names, inline=True)
     positive = r"$\operatorname{artanh}(\sqrt{z})/\sqrt{z}$ for $z > 0$"
@@ -299,7 +299,7 @@ def _hypergeometric_cases(z: Expr, names: Mapping[str, str]) -> str:
     )
 
 
-def _limit_sentences(form: ClosedForm, names: Mapping[str, str]) -> Iterator[str]:
+def _limit_sentences(form: ClosedForm, names: Notation) -> Iterator[str]:
     for where, value in (("0", form.limits.at_rest), ("\\infty", form.limits.far)):
         place = f"${names['V']} \\to {where}$"
         if value is None:
@@ -313,7 +313,7 @@ def _limit_sentences(form: ClosedForm, names: Mapping[str, str]) -> Iterator[str
             yield f"For {place}\n" + displayed(names["c"], printing.latex(value, names), relation=relation)
 
 
-def _vanishing(form: ClosedForm, names: Mapping[str, str]) -> str:
+def _vanishing(form: ClosedForm, names: Notation) -> str:
     """Say at which belt speeds a criterion vanishes, or what its sign is at all of them."""
     vanishing = transition_speeds(form)
     V = names["V"]

@@ -1,14 +1,13 @@
 """Long formulas made readable, as LaTeX and as lines of text: what stands in them repeatedly gets a letter."""
 
 from collections import Counter
-from collections.abc import Mapping
 from functools import cache
 from operator import itemgetter
 from textwrap import fill
 
 import sympy as sp
 
-from stickslip_sym.core.aliases import Expr, Substitution
+from stickslip_sym.core.aliases import Expr, Notation, Substitution
 from stickslip_sym.output.layout import LINE, displayed, width
 from stickslip_sym.output.notation import look, notation_of
 from stickslip_sym.output.printing import latex, latex_value
@@ -25,7 +24,7 @@ Definitions = list[tuple[Expr, Expr]]
 
 
 def displayed_equation(
-    left: str, right: Expr, names: Mapping[str, str], letters: Substitution | None = None, **style: str
+    left: str, right: Expr, names: Notation, letters: Substitution | None = None, **style: str
 ) -> str:
     """Return a displayed equation with a side that is LaTeX already, and the definitions that follow it.
 
@@ -66,7 +65,7 @@ def _listed(items: list[str]) -> str:
     return " and ".join(filter(None, [", ".join(items[:-1]), items[-1]]))
 
 
-def _summed(expr: Expr, names: Mapping[str, str]) -> tuple[Expr, Definitions]:
+def _summed(expr: Expr, names: Notation) -> tuple[Expr, Definitions]:
     """Give symbols to the wide terms of a sum of many lines."""
     if not expr.is_Add or width(latex(expr, names)) < _MANY_LINES * LINE:
         return expr, Definitions()
@@ -132,7 +131,7 @@ def _is_root(node: Expr) -> bool:
     return bool(node.is_Pow and node.base.is_Add and sp.denom(node.exp) == 2)
 
 
-def _assign_letters(expr: Expr, definitions: Definitions, names: Mapping[str, str]) -> tuple[Expr, Definitions]:
+def _assign_letters(expr: Expr, definitions: Definitions, names: Notation) -> tuple[Expr, Definitions]:
     """Call the symbols by a letter that begins no other name here, neither as it is given nor as it is printed."""
     own = {symbol for symbol, _ in definitions}
     others = set().union(expr.free_symbols, *(value.free_symbols for _, value in definitions)) - own

@@ -17,7 +17,7 @@ from sympy.core.function import AppliedUndef
 from sympy.printing.conventions import requires_partial
 from sympy.printing.latex import LatexPrinter
 
-from stickslip_sym.core.aliases import Condition, Expr
+from stickslip_sym.core.aliases import Condition, Expr, Notation
 from stickslip_sym.core.functions import CONSTANTS, Constant, Function, elementary, row
 from stickslip_sym.output.notation import distinct_notation, latex_name, look
 from stickslip_sym.output.text_printer import Readable, decimal, is_over_decimal, spellings
@@ -94,7 +94,7 @@ def _length(latex: str) -> int:
 class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
     printmethod = None  # SymPy's constants would print themselves, Catalan's as G beside any G
 
-    def __init__(self, names: Mapping[str, str], dummies: Mapping[Expr, str], *, slashes: bool) -> None:
+    def __init__(self, names: Notation, dummies: Mapping[Expr, str], *, slashes: bool) -> None:
         super().__init__({"diff_operator": "rd"})
         self.dummies = dummies
         self._names_of = names
@@ -364,7 +364,7 @@ def _is_below(factor: Expr) -> bool:
     return bool(factor.is_Pow and factor.base is not sp.E and factor.exp.could_extract_minus_sign())
 
 
-def latex(expr: Expr | Condition, names: Mapping[str, str] | None = None, *, inline: bool = False) -> str:
+def latex(expr: Expr | Condition, names: Notation | None = None, *, inline: bool = False) -> str:
     r"""Return an expression or a relation as LaTeX, e.g. ``N (\mu_{\mathrm{s}} - \mu_{\mathrm{m}})``.
 
     - `names`: LaTeX of symbols that shall not be written as usual (`notation`).

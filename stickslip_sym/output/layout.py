@@ -6,9 +6,10 @@ Modern at 10 pt, from above, so a formula that is broken here fits the text.
 
 import re
 import unicodedata
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from string import ascii_letters, digits
 
+from stickslip_sym.core.aliases import Notation
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.notation import latex_name
 
@@ -187,7 +188,7 @@ _BETWEEN = {"=": "=", "+": "+", "/": "/"} | {
 """Signs that make one formula of what stands on either side."""
 
 
-def prose_latex(text: str, names: Mapping[str, str] | None = None) -> str:
+def prose_latex(text: str, names: Notation | None = None) -> str:
     """Return plain words as LaTeX; names of symbols in them become mathematics, and relations between them too.
 
     - `names`: LaTeX of the symbols; single letters count only if they are among them.
@@ -201,7 +202,7 @@ def prose_latex(text: str, names: Mapping[str, str] | None = None) -> str:
     return re.sub(r"\b(e\.g\.|eq\.) ", r"\1~", words).replace(" - ", " $-$ ")
 
 
-def _piece(match: re.Match[str], known: Mapping[str, str]) -> tuple[str, bool]:
+def _piece(match: re.Match[str], known: Notation) -> tuple[str, bool]:
     """Return a word, a number or a sign as LaTeX, and whether that is a formula."""
     root, radicand, function, primes, argument, name, power, above, number, space, other = match.groups()
     if root:

@@ -5,8 +5,9 @@ gives instead goes into the document as it is if it reads as one symbol; its com
 """
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 
+from stickslip_sym.core.aliases import Notation
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.names import suggestion
 
@@ -50,7 +51,7 @@ def _base(word: str) -> str:
     return word if len(word) == 1 else f"\\mathit{{{word}}}"
 
 
-def notation_of(names: Iterable[str], given: Mapping[str, str] | None = None) -> dict[str, str]:
+def notation_of(names: Iterable[str], given: Notation | None = None) -> dict[str, str]:
     """Return the LaTeX of each name, what is given in its place; refuse two symbols that would look the same."""
     names = set(names)
     given = given or {}
@@ -68,7 +69,7 @@ def notation_of(names: Iterable[str], given: Mapping[str, str] | None = None) ->
     return notation
 
 
-def distinct_notation(names: Iterable[str], known: Mapping[str, str]) -> dict[str, str]:
+def distinct_notation(names: Iterable[str], known: Notation) -> dict[str, str]:
     """Return the LaTeX of each name: what is known, and for others what looks like none of the rest."""
     notation = dict(known)
     for name in sorted(set(names) - set(known)):
@@ -81,7 +82,7 @@ def _spelled_out(name: str) -> str:
     return f"\\mathit{{{name}}}".replace("_", r"\_")
 
 
-def check_known(given: Mapping[str, str], names: Iterable[str]) -> None:
+def check_known(given: Notation, names: Iterable[str]) -> None:
     """Refuse notation for a symbol that does not occur."""
     known = list(dict.fromkeys(names))
     for name in given:
