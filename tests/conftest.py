@@ -19,6 +19,7 @@ TOGETHER = {
     "closed forms": ("tests/formula/evaluation/test_accuracy.py", "tests/formula/evaluation/test_calls.py",
                      "tests/formula/export/", "tests/model/test_catalogue.py", "tests/output/test_latex.py"),
     "printed formulas": ("tests/output/test_printers.py",),
+    "powers of v": ("tests/formula/test_closed_form.py", "tests/formula/test_letters.py"),
     "measured points": ("tests/model/test_samples.py",),
     "results": ("tests/views/test_notebook.py", "tests/whole/test_results_are_data.py",
                 "tests/formula/test_views.py"),
@@ -72,8 +73,19 @@ def pytest_xdist_make_scheduler(config, log):
     return Scheduling(config, log)
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(collector):
+    """Let every other process read the files from the last one on: half of them another has compiled by then."""
+    report = yield
+    number = os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")
+    if isinstance(collector, pytest.Directory) and int(number) % 2:
+        report.result = report.result[::-1]
+    return report
+
+
 def pytest_collection_modifyitems(config, items):
     """Leave what takes long to ``--thorough``; begin with the rest's longest, so that they do not come last."""
+    items.sort(key=lambda item: item.path)
     if not config.getoption("--thorough"):
         long = {item for item in items if item.get_closest_marker("thorough")}
         long |= outside_samples([item for item in items if item not in long])

@@ -178,8 +178,8 @@ def test_letters_that_mean_something_in_coq_get_other_names():
         ("mu_0 + 0.1/(1 + a*v + v^2)", "harmonic", "zeros are not known to be complex"),
         ("0.3/(1+v) + 0.1*exp(-v)/(1+v)", "least_squares", "expint"),
         ("mu_s - 0.1*log(v/v_0)", "least_squares", "cannot tell that .*, in log"),
-        ("0.3 + 0.1*v^(-1/4)", "least_squares", "is positive"),
         ("0.3 + 0.1*log(1 - v/w)", "equilibrium", "cannot tell that .*, in log"),
+        ("0.3 + 0.1*v^(-1/4)", "least_squares", "is positive"),
     ],
 )
 def test_what_the_scripts_do_not_have_is_refused_by_its_name(law, criterion, words):

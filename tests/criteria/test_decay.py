@@ -8,7 +8,7 @@ import pytest
 
 import stickslip_sym as ss
 from stickslip_sym import quadrature
-from support.sweeps import sample, sweep
+from support.sweeps import sample, some, sweep
 
 RNG = random.Random(4010)
 
@@ -64,7 +64,8 @@ def test_fast_functions_of_it_agree_with_balls():
 )  # fmt: skip
 def test_code_is_written_of_what_is_smaller_than_any_float_at_rest(law, criterion):
     """Where exp(-1/v) underflows a table cannot resolve it, and need not."""
-    namespace, speeds = {}, np.array([3e-4, 6.2e-4, 8e-4, 0.01, 0.3, 2.0])
+    namespace = {}
+    speeds = np.array(some([3e-4, 6.2e-4, 8e-4, 0.01, 0.3, 2.0], 3))
     exec(ss.slope_average(law, criterion).code("python"), namespace)
     exact = [float(ss.quadrature.damping(law, criterion, V=V, N=1, digits=20)) for V in speeds]
     assert namespace["damping"](speeds, 1.0) == pytest.approx(exact, rel=1e-13, abs=1e-290)

@@ -13,7 +13,7 @@ import stickslip_sym as ss
 from stickslip_sym.criteria import enclosure
 from stickslip_sym.criteria.enclosure import Enclosure, rounded_outward
 from support.strategies import nested
-from support.sweeps import sample, sweep
+from support.sweeps import fewer, sample, sweep
 
 s = ss.symbols.s
 CRITERIA = [
@@ -36,6 +36,7 @@ def quadrature_lies_inside(law, criterion, V, N, digits=20):
     return enclosure
 
 
+@fewer(3)
 @given(st.integers(0, 2**32 - 1))
 def test_quadrature_lies_in_the_enclosure(seed):
     rng = random.Random(seed)
@@ -63,7 +64,7 @@ def by_gauss(law, criterion, V):
                            method="gauss-legendre", error=True, maxdegree=7)  # fmt: skip
 
 
-@sweep("count", [6, 300], 6)
+@sweep("count", [4, 300], 4)
 def test_functions_within_functions(count):
     rng, looked = random.Random(5), 0
     for _ in range(count):

@@ -9,7 +9,7 @@ import stickslip_sym as ss
 from stickslip_sym.criteria.criterion import equilibrium, harmonic, least_squares
 from stickslip_sym.criteria.rule import gauss_average
 from support.narrow_laws import SHAPES, narrow_law
-from support.sweeps import sample, sweep
+from support.sweeps import sample, some, sweep
 
 
 def off(law, criterion, V, **options):
@@ -74,7 +74,7 @@ def test_four_ways_to_an_average_agree_over_24_decades(name, criterion):
 @sweep("criterion", [least_squares, harmonic], harmonic)
 def test_far_out_the_slope_counts_and_not_the_rounding_of_mu(criterion):
     """There an average is 1/V or less of mu/V: differences of values of mu would know no digit of it."""
-    for name in ("exponential", "rational", "arctangent", "bengisu_akay"):
+    for name in some(("exponential", "rational", "arctangent", "bengisu_akay"), 2):
         for V in (1e6, 1e9, 1e12):
             deviation, error = off(ss.laws[name].typical(), criterion, V)
             value = float(ss.enclose(ss.laws[name].typical(), criterion, V=V, N=1))

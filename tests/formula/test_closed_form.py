@@ -182,6 +182,24 @@ def test_what_grows_at_rest_has_a_criterion_while_the_weight_vanishes_faster(cri
 
 # -- SymPy's integrator ------------------------------------------------------------------------------
 
+
+@sweep(("criterion", "bound"), [("harmonic", 0.5), ("least_squares", 1.0)], ("least_squares", 1.0))
+def test_a_divergent_integral_has_no_value(criterion, bound):
+    """The average of v^-n exists for n below the order at which the weight vanishes at rest."""
+    form = ss.derive(ss.FrictionLaw("mu_0 + mu_1*(v/v_1)^(-n)"), criterion)
+    assert form.verdict.status is ss.Status.PROVED
+    assert r"\quad n <" in form.latex()
+    given = {"V": 0.5, "N": 1.0, "mu_0": 0.2, "mu_1": 0.3, "v_1": 1.0}
+    below = form.law.bind(mu_0=0.2, mu_1=0.3, v_1=1, n=bound - 0.1)
+    expected = float(ss.quadrature.damping(below, criterion, V=0.5, N=1, digits=15))
+    assert form(**given, n=bound - 0.1) == pytest.approx(expected, rel=1e-12)
+    for n in (bound, bound + 0.25, [bound - 0.1, bound + 0.1]):
+        with pytest.raises(ss.InputError, match=r"exists for n < .* only"):
+            form(**given, n=n)
+    with pytest.raises(ss.InputError, match=r"exists for n < .* only"):
+        form.evaluate(20, **given, n=bound + 0.25)
+
+
 HOPELESS = "mu_0 + d*cos(exp(v))"
 
 

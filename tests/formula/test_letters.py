@@ -10,7 +10,7 @@ import stickslip_sym as ss
 from stickslip_sym.core.symbols import v
 from stickslip_sym.model.expression.letters import name_constants, substitute_numbers
 from stickslip_sym.model.same_shape import law_of_same_shape
-from support.sweeps import sample, sweep
+from support.sweeps import sample, some, sweep
 
 FAMILIES = (
     "{0} + {1}*exp(-{2}*v)", "{0} + {1}*exp(-(v/{2})^{3})", "{0}*(1 + v/{1})^(-{2}) + {3}*v",
@@ -87,7 +87,7 @@ def test_numbers_that_decide_stay(formula):
 
 @pytest.mark.parametrize("order", ["0.8123456", "0.5000001"])
 def test_an_exponent_too_low_for_the_weight_is_refused_as_a_number_is(order):
-    for formula in (f"v^(-{order})", f"0.3*exp(-v)*v^(-{order})"):
+    for formula in some((f"0.3*exp(-v)*v^(-{order})", f"v^(-{order})"), 1):
         with pytest.raises(ss.NoClosedForm, match=r"not integrable at v = 0\+"):
             ss.derive(formula, "harmonic")
         with pytest.raises(ss.InputError, match="has no value"):

@@ -99,26 +99,6 @@ def test_a_refused_sensitivity_says_that_a_function_has_no_value():
         form.sensitivity("a")
 
 
-# -- conditions --------------------------------------------------------------------------------------
-
-
-@sweep(("criterion", "bound"), [("harmonic", 0.5), ("least_squares", 1.0)], ("least_squares", 1.0))
-def test_a_divergent_integral_has_no_value(criterion, bound):
-    """The average of v^-n exists for n below the order at which the weight vanishes at rest."""
-    form = ss.derive(ss.FrictionLaw("mu_0 + mu_1*(v/v_1)^(-n)"), criterion)
-    assert form.verdict.status is ss.Status.PROVED
-    assert r"\quad n <" in form.latex()
-    given = {"V": 0.5, "N": 1.0, "mu_0": 0.2, "mu_1": 0.3, "v_1": 1.0}
-    below = form.law.bind(mu_0=0.2, mu_1=0.3, v_1=1, n=bound - 0.1)
-    expected = float(ss.quadrature.damping(below, criterion, V=0.5, N=1, digits=15))
-    assert form(**given, n=bound - 0.1) == pytest.approx(expected, rel=1e-12)
-    for n in (bound, bound + 0.25, [bound - 0.1, bound + 0.1]):
-        with pytest.raises(ss.InputError, match=r"exists for n < .* only"):
-            form(**given, n=n)
-    with pytest.raises(ss.InputError, match=r"exists for n < .* only"):
-        form.evaluate(20, **given, n=bound + 0.25)
-
-
 # -- values and time ---------------------------------------------------------------------------------
 
 
@@ -154,12 +134,12 @@ def test_a_notebook_names_the_law_of_a_form_or_shows_it():
 
 def test_json_of_measured_points_is_a_table_of_cubics():
     rng = np.random.default_rng(16)
-    v = [0.0, *np.sort(np.round(rng.uniform(0.1, 2, 7), 3))]
-    form = ss.derive(ss.FrictionLaw.from_samples(v, np.round(rng.uniform(0.2, 0.5, 8), 3), extrapolate=True))
+    v = [0.0, *np.sort(np.round(rng.uniform(0.1, 2, 4), 3))]
+    form = ss.derive(ss.FrictionLaw.from_samples(v, np.round(rng.uniform(0.2, 0.5, 5), 3), extrapolate=True))
     said = content(form)
     assert said.keys() == {"cubics", "verdict"}
     table = said["cubics"]
-    i = int(rng.integers(7))
+    i = int(rng.integers(4))
     place, row = sp.Rational(table["places"][i]), map(sp.Rational, table["cubics"][i])
     x = float(v[i] + 0.3 * (v[i + 1] - v[i]))
     assert float(sum(c * (x - place) ** j for j, c in enumerate(row))) == pytest.approx(form.law.mu(x), rel=1e-13)

@@ -13,6 +13,7 @@ from stickslip_sym.motion.orbits.needed import search_damping_ratios
 from stickslip_sym.motion.slip import NondimensionalOscillator
 from support.reference_motions import points
 from support.strategies import laws, operating_points
+from support.sweeps import fewer
 
 
 def systems(count, seed):
@@ -40,6 +41,7 @@ def test_one_slip_and_many_give_the_same_bits(compiling, monkeypatch):
             assert many[:-1] == single[:-1]
 
 
+@fewer(3)
 @given(laws(static=True), operating_points(), st.floats(0.02, 1.0), st.sampled_from([1e-4, 1e-9, 1e-13]))
 def test_needed_damping_has_the_same_bits_plain_and_compiled(law, osc, amplitude, rtol):
     """With its slope, and in implicit steps too, of strong friction: a threshold does not say what is loaded."""

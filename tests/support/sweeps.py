@@ -35,6 +35,14 @@ def outside_samples(items):
     return left
 
 
+def some(cases, count):
+    """Take so many of the cases that a test goes through, at even distances; with ``--thorough`` all."""
+    cases = list(cases)
+    if settings().max_examples >= 100:
+        return cases
+    return [cases[len(cases) * number // count] for number in range(count)]
+
+
 def fewer(examples):
     """Take so many examples of a property that is dear; with ``--thorough`` as many as of any."""
     usual = settings().max_examples

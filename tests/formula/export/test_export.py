@@ -19,7 +19,7 @@ from stickslip_sym.output.printing import text as text_of
 from support import accuracy
 from support.accuracy import MOST_UNITS
 from support.closed_forms import NO_LEAST_SQUARES, agrees, form_of
-from support.commands import stickslip
+from support.commands import inside
 from support.exported_code import PROGRAMS, compiled, runs, values_of
 from support.sweeps import sample, sweep
 
@@ -277,7 +277,7 @@ def test_a_shape_is_bound_before_code_is_written():
 def test_command_writes_all_outputs(tmp_path):
     files = {kind: f"a.{kind}" for kind in ("latex", "python", "c", "octave", "javascript", "save")}
     options = [word for kind, name in files.items() for word in (f"--{kind}", name)]
-    done = stickslip("export", "polynomial", *options, "--symbol", "V=v_b", cwd=tmp_path)
+    done = inside("export", "polynomial", *options, "--symbol", "V=v_b", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     said = {kind: "1 law" if kind == "save" else "1 criterion" for kind in files}
     assert done.stdout.splitlines() == [f"{kind}: {said[kind]} in {name}" for kind, name in files.items()]

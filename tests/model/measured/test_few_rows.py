@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.stats import binomtest
+from scipy.special import bdtr, bdtrc
 
 import stickslip_sym as ss
 from stickslip_sym.comparison.decision import Decision, unmeasured_part
@@ -130,7 +130,7 @@ def test_a_law_that_nobody_needs_changes_little():
     assert beside.value == pytest.approx(without.value, rel=1e-3)
 
 
-@sweep(("counts", "sets"), [((5, 6, 8), 9), ((5,), 400), ((8,), 400), ((16,), 400)], ((5, 6, 8), 9))
+@sweep(("counts", "sets"), [((5, 6, 8), 6), ((5,), 400), ((8,), 400), ((16,), 400)], ((5, 6, 8), 6))
 def test_intervals_of_few_rows_hold_the_truth(counts, sets):
     """At 90 % of sets or more, so far as so many sets can tell; and no confident decision is wrong."""
     rng, held, wrong = np.random.default_rng(counts[0]), 0, 0
@@ -144,8 +144,8 @@ def test_intervals_of_few_rows_hold_the_truth(counts, sets):
         held += low <= true <= high
         sure = decision.below is not None and not 0.01 <= decision.probability <= 0.99
         wrong += sure and decision.below != (c < true)
-    assert binomtest(held, sets, 0.9, alternative="less").pvalue > 1e-3
-    assert binomtest(wrong, sets, 0.01, alternative="greater").pvalue > 1e-3
+    assert bdtr(held, sets, 0.9) > 1e-3  # so few or fewer
+    assert bdtrc(wrong - 1, sets, 0.01) > 1e-3  # so many or more
 
 
 @sweep(("count", "least"), [(6, 0.1), (8, 0.4), (12, 0.8)], (8, 0.4))
@@ -156,7 +156,7 @@ def test_a_law_that_does_not_describe_few_rows_is_said(count, least):
         for fit in ss.fit(*measured(count, seed, noise=0.008), laws=list(said)):
             said[fit.name] += any("residuals follow the speed" in text for text in fit.warnings)
     assert said["linear"] >= least * 20
-    assert binomtest(said["exponential"], 20, 0.01, alternative="greater").pvalue > 1e-3
+    assert bdtrc(said["exponential"] - 1, 20, 0.01) > 1e-3  # so many or more
 
 
 def test_studies_say_one_thing_of_few_rows():

@@ -7,7 +7,7 @@ import pytest
 
 import stickslip_sym as ss
 from support.operating_points import smooth_points
-from support.sweeps import sample, sweep
+from support.sweeps import sample, some, sweep
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
 
@@ -90,7 +90,7 @@ def test_laws_that_are_not_smooth_by_simulation(name):
 def test_all_that_a_dense_scan_finds():
     """By averages over four decades of a parameter, on seeded laws that have up to three."""
     rng, several, scan = np.random.default_rng(9), 0, np.geomspace(1e-3, 10, 4001)
-    for _ in range(3):
+    for _ in some(range(3), 2):
         law = ss.laws.two_exponentials.typical(d_1=rng.uniform(0.05, 0.3), d_2=rng.uniform(0.05, 0.3))
         c, average = rng.uniform(0.5, 3), ss.slope_average(law, "harmonic")
         expected = np.flatnonzero(np.diff(np.sign(average(V=0.5, N=9.81, v_1=scan) - c)) != 0)
@@ -120,7 +120,7 @@ def test_averages_of_a_steep_fall(speeds, count):
     """Stribeck's law with an exponent of 60 falls at v_s as a step does, between the nodes of a fixed rule."""
     law, point = ss.laws.stribeck_viscous.typical(delta=60), {"V": 0.5, "N": 9.81}
     cosine = np.cos((np.arange(4000) + 0.5) * np.pi / 4000)
-    for of, within in (("N", None), ("mu_s", None), ("v_s", speeds)):
+    for of, within in some((("mu_s", None), ("v_s", speeds), ("N", None)), 2):
         roots = ss.critical(law, of, c=3.0, **without(point, of), within=within)
         assert len(roots) == (count if of == "v_s" else 1)
         for one in roots:

@@ -92,7 +92,7 @@ IN_DEFAULT = {("half", "nbi")}
     ],
 )
 def test_damaged_machine_code_is_made_again(damage, suffix, tmp_path):
-    """Another process damages what the first one kept; the third one reads what the second one made."""
+    """What the first run kept is damaged; the third one reads what the second one made."""
     pytest.importorskip("numba")
     (tmp_path / "twice.py").write_text(
         "from stickslip_sym.motion.compiled import compilable, compiled\n"
@@ -100,15 +100,25 @@ def test_damaged_machine_code_is_made_again(damage, suffix, tmp_path):
         "def quarter(x):\n    return half(half(x))\n"
         "print(compiled(quarter)(1.0))\n"
     )
-    line = [sys.executable, "twice.py"]
+    turns = (
+        "import runpy, sys\n"
+        "from pathlib import Path\n"
+        "suffix, content = sys.argv[1], bytes.fromhex(sys.argv[2])\n"
+        "for turn in range(3):\n"
+        "    runpy.run_path('twice.py')\n"
+        "    kept = {path: path.stat().st_mtime_ns for path in Path('kept').rglob(f'*.{suffix}')}\n"
+        "    print(bool(kept), turn == 2 and kept == before)\n"
+        "    before = kept\n"
+        "    for path in kept if turn == 0 else ():\n"
+        "        half = path.read_bytes()[: path.stat().st_size // 2]\n"
+        "        path.write_bytes(half if len(sys.argv) > 3 else content)\n"
+    )
+    content = DAMAGES[damage]
+    line = [sys.executable, "-c", turns, suffix, (content or b"").hex(), *(["half"] if content is None else [])]
     kept_in = {"NUMBA_CACHE_DIR": str(tmp_path / "kept"), "PYTHONPATH": os.pathsep.join(sys.path)}
-    for turn in range(3):
-        done = subprocess.run(
-            line, cwd=tmp_path, env=os.environ | kept_in, capture_output=True, text=True, timeout=120, check=False
-        )
-        assert (done.stdout, done.returncode) == ("0.25\n", 0), done.stderr
-        kept = list((tmp_path / "kept").rglob(f"*.{suffix}"))
-        assert kept
-        for path in kept if turn == 0 else ():
-            content = DAMAGES[damage]
-            path.write_bytes(path.read_bytes()[: path.stat().st_size // 2] if content is None else content)
+    done = subprocess.run(
+        line, cwd=tmp_path, env=os.environ | kept_in, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.stdout.splitlines() == ["0.25", "True False", "0.25", "True False", "0.25", "True True"], (
+        done.stderr
+    )

@@ -26,7 +26,7 @@ def points_of_every_kind(count):
         yield law, {"V": V, "m": m, "k": k, "N": eta * V * (k * m) ** 0.5}, 10 ** rng.uniform(-11, -3)
 
 
-@sweep("count", [5, 300], 5)
+@sweep("count", [3, 300], 3)
 def test_stated_errors_hold_against_enclosures(count):
     """Of 300 points the errors of all 515 values bound the true ones; what cannot be bounded is refused."""
     held, total = 0, 0

@@ -74,7 +74,7 @@ MP = mpmath.mpf
 BY_MPMATH = [
     # law, c in kg/s, digits, mu(0) - mu over w with V = 1/2
     ("exponential", "2.6", 25, lambda w: MP("0.3") * (1 - mpmath.exp(MP("-1.5") * w))),
-    ("polynomial", "3.1", 30, lambda w: MP("0.3") * (MP("0.75") * w - w**3 / 16)),
+    ("polynomial", "3.1", 22, lambda w: MP("0.3") * (MP("0.75") * w - w**3 / 16)),
     ("lorentzian", "3.1", 30, lambda w: MP("0.3") * (1 - 1 / (1 + w**2))),
 ]
 BELOW_STATIC = [(name, friction) for name, _, _, friction in BY_MPMATH]
