@@ -32,7 +32,7 @@ _Part: TypeAlias = acb | Callable[..., Any]
 """A ball where no variable stands in an expression, else a function of the variable and of the flag."""
 
 _MOST_BALL_POWER = 64  # of an integer exponent that is multiplied out; a power by logarithm fails around 0
-_NUMBER_BITS = 4000  # of a number that is no rational one: beyond the digits of any answer
+NUMBER_BITS = 4000  # of a number that is no rational one: beyond the digits of any answer
 _NOWHERE = acb("nan")
 copyreg.pickle(arb, lambda ball: (arb, tuple(tuple(map(int, end.man_exp())) for end in (ball.mid(), ball.rad()))))
 
@@ -262,11 +262,11 @@ def number_at(expr: Expr, point: Point) -> Expr:
         expr = resolve_kinks(expr, point)
     if (exact := fold(expr, _rationals(point))) is not None:
         return exact
-    with working_precision(_NUMBER_BITS + 64):
+    with working_precision(NUMBER_BITS + 64):
         value = ball_value(expr, point)
         if not (value.is_finite() and value.imag.contains(0)):
             return sp.nan
-    return sp.Float._new(mpf_pos(middle_in_mpmath(value.real)._mpf_, _NUMBER_BITS, round_nearest), _NUMBER_BITS)
+    return sp.Float._new(mpf_pos(middle_in_mpmath(value.real)._mpf_, NUMBER_BITS, round_nearest), NUMBER_BITS)
 
 
 def place_at(place: Expr, point: Point) -> Expr:

@@ -25,7 +25,7 @@ from stickslip_sym.core.numbers import Number, fraction
 from stickslip_sym.core.precision import refined, working_precision
 from stickslip_sym.criteria.criterion import Criterion, CriterionName
 from stickslip_sym.criteria.decay import bound_below, start_of, vanishing
-from stickslip_sym.criteria.quadrature import MOST_DIGITS, read_operating_point
+from stickslip_sym.criteria.quadrature import MOST_DIGITS, MOST_DIGITS_LOST, read_operating_point
 from stickslip_sym.model.expression.pieces import branch_from, kinks_at
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
@@ -34,9 +34,8 @@ from stickslip_sym.output.data import DataResult
 
 _BITS_PER_DIGIT = math.log2(10)  # per digit
 _BITS_OF_ENDS = 64  # bits with which an end is written, beyond those of the middle
-_MOST_BITS_LOST = 1400  # bits of cancellation that are followed, some 400 digits
+_MOST_BITS_LOST = math.ceil(MOST_DIGITS_LOST * _BITS_PER_DIGIT) + _BITS_OF_ENDS  # that are followed
 _EXTREME = 100_000  # bits, beyond which an end is rounded outwards instead of written in full
-_MOST_SHOWN = 4000  # where two enclosures are distinguished
 _DIGITS_WITHOUT_CERTAINTY = 3  # digits of an end of an enclosure without a certain digit
 _BITS_FINER_THAN_RADIUS = 4  # bits, by which ends of an enclosure are finer than its radius
 _MOST_END_DIGITS = 50  # digits of an end, at most
@@ -88,7 +87,7 @@ class Enclosure(DataResult):
 
     def apart(self, other: "Enclosure") -> tuple[str, str]:
         """Return the middles of two enclosures with as many digits as it takes to see that they differ."""
-        for digits in range(8, _MOST_SHOWN):
+        for digits in range(8, MOST_DIGITS):
             mine = _truncated(self.mid, digits)
             others = _truncated(other.mid, digits)
             if mine != others:

@@ -42,8 +42,8 @@ Function: TypeAlias = Callable[[Mpf], Mpf]
 
 MOST_DIGITS = 10_000  # of a result
 _GUARD_DIGITS = 10  # digits beyond those asked for, against rounding in the sum
-_MOST_DIGITS_LOST = 400  # digits of cancellation in an integral that are followed before it counts as zero
-_MOST_LOST_IN_SLOPE = 5 * _MOST_DIGITS_LOST  # of a slope, which costs a few values of mu only
+MOST_DIGITS_LOST = 400  # digits of cancellation in an integral that are followed before it counts as zero
+_MOST_LOST_IN_SLOPE = 5 * MOST_DIGITS_LOST  # of a slope, which costs a few values of mu only
 _MOST_PANELS = 240  # that are looked at
 _PANEL_RATIO = 4  # times, each panel beside a narrow one
 _ORDERS_PER_DIGIT_AT_REST = 4
@@ -164,7 +164,7 @@ def average(
     return _following_cancellation(
         lambda tolerance: _integral_by_parts(mu, [*kinks, *quick], criterion, speed, tolerance, singular, rule),
         digits,
-        _MOST_DIGITS_LOST,
+        MOST_DIGITS_LOST,
     )
 
 

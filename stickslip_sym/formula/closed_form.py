@@ -30,7 +30,7 @@ from stickslip_sym.formula.proof.normal_form import plain
 from stickslip_sym.formula.proof.proving import Verdict, prove_equal
 from stickslip_sym.formula.slope_average import SlopeAverage
 from stickslip_sym.formula.tidy import tidy
-from stickslip_sym.model.expression.letters import name_constants, substitute_numbers
+from stickslip_sym.model.expression.letters import HIGHEST_ROOT, name_constants, substitute_numbers
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.pieces import mean_slope_at_kinks
 from stickslip_sym.model.law import FrictionLaw
@@ -44,8 +44,6 @@ from stickslip_sym.output.text_printer import is_decimal
 
 _MOST_DIGITS_OF_A_LAW = 6
 """A number with more was multiplied together from the numbers of a law."""
-_HIGHEST_ROOT = 6
-"""A power of a number with a larger denominator is no root that a reader knows."""
 _FEW_TERMS = 3
 _FEW_OPERATIONS = 60
 """Sums of more terms, and of more operations, keep the shares of their terms apart."""
@@ -540,7 +538,7 @@ def derive(
 def _is_mixed(expr: Expr, law: Expr) -> bool:
     """Whether numbers of an expression were multiplied together from those of a law, or are powers of such."""
     powers = [node for node in expr.atoms(NumberPower, sp.Pow) if node.args[0].is_Rational]
-    if any(power.args[1].is_Rational and power.args[1].q > _HIGHEST_ROOT for power in powers):
+    if any(power.args[1].is_Rational and power.args[1].q > HIGHEST_ROOT for power in powers):
         return True
     own = {abs(number) for number in law.atoms(sp.Rational)}
     others = {abs(number) for number in expr.atoms(sp.Rational)} - own

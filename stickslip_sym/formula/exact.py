@@ -20,10 +20,12 @@ from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.functions import arguments, write_sech
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.precision import ball_of_mpmath, middle_in_mpmath, mp, refined, rounded
+from stickslip_sym.criteria.quadrature import MOST_DIGITS
 from stickslip_sym.model.leading_terms import symbolic_limit_at_rest
 from stickslip_sym.numerics.known import Unknown
 
-_MOST_EXACT_BITS = 33_000  # of working precision, some 10 000 digits, before a value counts as out of reach
+_MOST_EXACT_BITS = math.ceil(MOST_DIGITS * math.log2(10))
+"""Of working precision, before a value counts as out of reach."""
 _BITS_RATIO_TO_PARTS = 4
 """Times the bits asked for, before a formula is taken apart by exact arithmetic, which takes long."""
 _LONGEST_SERIES = 1e4  # an argument from where as many terms cancel, for which mpmath has no asymptotic series

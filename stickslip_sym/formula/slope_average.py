@@ -1,6 +1,7 @@
 """`slope_average`: a criterion of any law as a fast function, closed form or not."""
 
 import math
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from fractions import Fraction
@@ -37,7 +38,7 @@ OnInvalid = Literal["raise", "nan"]
 
 _ELEMENTS_IN_CACHE = 16000
 """Elements: the arrays of a block stay in the cache, below 128 kB, from where each is a system call."""
-_BALL_DIGITS = 17  # of a value by balls
+_BALL_DIGITS = sys.float_info.dig + 2  # of a value by balls: as many tell any two floats apart
 _LARGEST_DOUBLE = float(np.finfo(np.float64).max)
 _ZERO = Fraction(1, 2**60)  # of the mean size of the slope: an enclosure around 0 that is narrower is that of 0
 _ALLOWED_OVER_SIZE = 8.0

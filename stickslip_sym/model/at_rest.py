@@ -20,6 +20,7 @@ from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.functions import fold, row
 from stickslip_sym.core.lambdify import Backend, context_of, function_of
 from stickslip_sym.core.numbers import to_mpf
+from stickslip_sym.model.expression.canonical_form import HIGHEST_POWER_OF_SUM
 from stickslip_sym.model.expression.pieces import branch_from, drop_unreachable_kinks
 from stickslip_sym.model.leading_terms import symbolic_limit_at_rest
 from stickslip_sym.model.taylor_model import coefficient_near_rest
@@ -30,7 +31,6 @@ Rising = Callable[[FloatArray], FloatArray]
 
 _ACCURATE_DIFFERENCE = 0.02  # a difference of coefficients that has lost few digits
 _SPEEDS = 2.0 ** np.arange(-80, 81)  # m/s, between which one as large is looked for
-_MOST_DIFFERENCE_TERMS = 16  # terms of a^n - b^n as a sum; for larger n it is the exponential of a logarithm
 _START = sp.Dummy("start", positive=True)
 """The slip speed where a piece begins."""
 
@@ -196,7 +196,7 @@ def _difference_of_power(node: Expr, low: Expr, base: tuple[Expr, Expr], exponen
         return low * expm1(node.exp * log1p(base_rise / base_low) + power_rise * sp.log(base_low))
     if base_low == 0:
         return base_rise**power - low
-    if power.is_Integer and abs(power) <= _MOST_DIFFERENCE_TERMS:
+    if power.is_Integer and abs(power) <= HIGHEST_POWER_OF_SUM:
         count = abs(int(power))
         terms = sp.Add(*(node.base**i * base_low ** (count - 1 - i) for i in range(count)))
         if power > 0:

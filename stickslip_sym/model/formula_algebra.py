@@ -18,8 +18,7 @@ from stickslip_sym.core.aliases import Expr, Substitution
 from stickslip_sym.core.balls import ball_value, number_at, rational, series_function
 from stickslip_sym.core.functions import FUNCTIONS, Function, row
 from stickslip_sym.core.precision import working_precision
-
-_MOST_MULTIPLIED = 16  # of a whole power that is multiplied out
+from stickslip_sym.model.expression.canonical_form import HIGHEST_POWER_OF_SUM
 
 RECIPROCALS: dict[type[Expr], type[Expr]] = {sp.coth: sp.tanh, sp.csch: sp.sinh}
 """Functions with a pole at 0, and those that they are one over."""
@@ -34,7 +33,7 @@ class NotAnalytic(ArithmeticError):
 
 def is_multiplied_out(exponent: Expr) -> bool:
     """Whether a power is a product."""
-    return bool(exponent.is_Integer and 0 <= exponent <= _MOST_MULTIPLIED)
+    return bool(exponent.is_Integer and 0 <= exponent <= HIGHEST_POWER_OF_SUM)
 
 
 class Ring(Protocol):

@@ -19,7 +19,7 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Substitution
-from stickslip_sym.core.balls import number_at
+from stickslip_sym.core.balls import NUMBER_BITS, number_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import FUNCTIONS, Function, elementary, fold, power, write_erfcx
 from stickslip_sym.core.special import Erfcx
@@ -38,8 +38,8 @@ _CONSTANT: Order = (sp.S.Zero, sp.S.Zero)
 _LOGARITHM: Order = (sp.S.Zero, sp.S.One)
 _SAMPLE = sp.Rational(17, 16)
 """The value of the first letter at which sums of coefficients are looked at; each next is larger by 1."""
-_CANCELLED = 2.0**-1000
-"""Of the largest term: a sum of numbers of four times as many bits is 0 where it is less, or not told from 0."""
+_CANCELLED = 2.0 ** -(NUMBER_BITS // 4)
+"""Of the largest term: a sum of numbers that is less is 0, or not told from 0."""
 
 _v = symbols.v
 _OF_LARGE_ARGUMENT: dict[type[Expr], Expr] = {
@@ -109,10 +109,10 @@ def _raise_order(order: Order, exponent: Expr) -> Order:
 
 
 @lru_cache(maxsize=1024)
-def _is_zero(coefficient: Expr, point: Values) -> bool:
+def is_zero(coefficient: Expr, point: Values) -> bool:
     """Whether a coefficient is 0, for all letters or where they have values; refused where that is not certain."""
     if coefficient.is_Mul:
-        return any(_is_zero(factor, point) for factor in coefficient.args)
+        return any(is_zero(factor, point) for factor in coefficient.args)
     if not coefficient.is_Add:
         return bool(coefficient.xreplace(dict(point)).is_zero)
     if sp.expand(coefficient) == 0:
@@ -154,7 +154,7 @@ class LeadingTerms:
         known = {
             order: c
             for order, c in terms.items()
-            if not any(_precedes(other, order) for other in largest) and not _is_zero(c, self.point)
+            if not any(_precedes(other, order) for other in largest) and not is_zero(c, self.point)
         }
         return replace(self, terms=known, left_out=frozenset(largest))
 
@@ -210,6 +210,11 @@ class LeadingTerms:
         """Refuse a sum that leaves out what may not vanish at x = 0."""
         if any(_precedence(_CONSTANT, order) <= 0 for order in self.left_out):
             raise NotAnalytic("too many terms cancel, or there is no limit")
+
+    def growing_powers(self) -> dict[Order, Expr]:
+        """Return the terms that are powers of 1/x, with whole and with other exponents."""
+        self.require_all_that_stays()
+        return {(e, n): c for (e, n), c in self.terms.items() if n == 0 and not e.has(Scale) and e.is_negative}
 
     def limit(self) -> Expr:
         """Return what it tends to."""

@@ -35,7 +35,6 @@ _RADII = 12  # halvings of the radius that are tried
 _SHARE_OF_RADIUS_INSIDE = 0.25  # of the radius: within it the remainder is below 2^(-3 terms)
 _INSIDE_IN_FLOATS = _SHARE_OF_RADIUS_INSIDE**2  # within which floats need few terms
 _BITS_OF_FLOATS = 128
-_RELATIVE_SIZE_OF_ZERO = 2.0**-90  # of the sizes of coefficients: below it their sum is 0
 _COEFFICIENT_OF_NO_ACCOUNT = (
     2.0**-60
 )  # of the largest coefficient: below it a coefficient that may be 0 is 0 to floats
@@ -209,14 +208,6 @@ def unit_of_powers(expr: Expr, point: Substitution) -> int:
     return math.lcm(*(int(exponent.q) for exponent in exponents if exponent.is_Rational))
 
 
-def cancels(coefficients: Sequence[arb]) -> bool:
-    """Whether coefficients of one power of v have no sum, as far as balls can say."""
-    with working_precision(_BITS_OF_FLOATS):
-        total = sum(coefficients, arb(0))
-        size = sum(map(abs, coefficients), arb(0))
-        return bool(total.abs_upper() <= _RELATIVE_SIZE_OF_ZERO * size)
-
-
 @dataclass(frozen=True)
 class RestPolynomial:
     """A coefficient near rest in floats: a polynomial in v^(1/unit)."""
@@ -272,16 +263,6 @@ def _model_with_pole(expr: Expr, point: Substitution, bits: int) -> TaylorModel 
         except (NotAnalytic, InputError, ValueError, ZeroDivisionError, OverflowError):
             continue
     return None
-
-
-def poles(expr: Expr, point: Substitution) -> dict[Expr, arb]:
-    """Return the coefficients of the negative powers of v of a function at rest; none where it has no series."""
-    with working_precision(_BITS_OF_FLOATS):
-        model = _model_with_pole(expr, point, _BITS_OF_FLOATS)
-    if model is None or model.low >= 0:
-        return {}
-    count = min(-model.low, model.polynomial.length())
-    return {sp.Rational(model.low + k, model.unit): model.polynomial[k] for k in range(count)}
 
 
 def _remove_pole(model: TaylorModel, expr: Expr, point: Substitution) -> TaylorModel | None:

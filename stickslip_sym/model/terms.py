@@ -15,11 +15,10 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Condition, Expr, Substitution
-from stickslip_sym.core.balls import ball_value
-from stickslip_sym.core.errors import InputError
 from stickslip_sym.model.expression.letters import name_constants, substitute_numbers
 from stickslip_sym.model.expression.pieces import RELATIONS, place_of
-from stickslip_sym.model.taylor_model import cancels, poles
+from stickslip_sym.model.leading_terms import LeadingTerms, Order, ask_leading_terms, is_zero
+from stickslip_sym.numerics.known import Unknown
 
 
 @dataclass(frozen=True)
@@ -91,51 +90,31 @@ def terms_of(mu: Expr) -> tuple[Term, ...]:
     return (*_polynomial_terms(polynomial, v), *terms)
 
 
-_SPEED_FAR_OUT = sp.Integer(10) ** 9
-"""A slip speed in m/s, far out."""
-_SIZE_OF_GROWING = 1000  # the size of a function that grows like a power, there
-
-
-def _cancelling(parts: Mapping[Expr, Expr]) -> list[list[Expr]]:
-    """Return functions that are infinite at rest, or far out, like a power of v, where their sum is finite.
-
-    Whether they cancel is looked at for some values of the parameters: parts that stand together for nothing are
-    no error.
-    """
-    symbols_of = sorted({symbol for rest in parts for symbol in (parts[rest] * rest).free_symbols}, key=str)
-    point: dict[Expr, Expr] = {
-        symbol: sp.Rational(17 + 6 * k, 16) for k, symbol in enumerate(symbols_of) if symbol != symbols.v
-    }
+def _cancelling(parts: Substitution) -> list[list[Expr]]:
+    """Return functions that are infinite at rest, or far out, like a power of v, where their sum is finite."""
     groups: list[list[Expr]] = []
     for far in (False, True):
-        left = [rest for rest in parts if rest.has(symbols.v) and not any(rest in group for group in groups)]
-        large = [rest for rest in left if _is_infinite(rest, point, far=far)]
-        if len(large) < 2 or any(rest.has(sp.Piecewise) for rest in large):
-            continue
-        at_end = [(parts[rest] * rest).subs(symbols.v, 1 / symbols.v if far else symbols.v) for rest in large]
-        strengths = [poles(function, point) for function in at_end]
-        for powers in _shared_power_sets(strengths):
-            of = [k for k, strength in enumerate(strengths) if powers & strength.keys()]
-            sums = [[strengths[k][power] for k in of if power in strengths[k]] for power in powers]
-            if len(of) > 1 and all(map(cancels, sums)):
-                groups.append([large[k] for k in of])
+        left = [rest for rest in parts if not any(rest in group for group in groups)]
+        strengths = [_growing_powers(parts[rest] * rest, far=far) for rest in left]
+        for orders in _shared_power_sets(strengths):
+            of = [k for k, strength in enumerate(strengths) if orders & strength.keys()]
+            totals = [sp.Add(*[strengths[k].get(order, sp.S.Zero) for k in of]) for order in orders]
+            if len(of) > 1 and all(is_zero(total, ()) for total in totals):
+                groups.append([left[k] for k in of])
     return groups
 
 
-def _is_infinite(function: Expr, point: Substitution, *, far: bool) -> bool:
-    """Whether a function has no finite value at rest, or is large far out."""
-    if not far:
-        return bool(function.subs(symbols.v, 0).has(sp.nan, sp.zoo, sp.oo, -sp.oo))
-    try:
-        value = ball_value(function, {**point, symbols.v: _SPEED_FAR_OUT})
-    except (InputError, ValueError, ZeroDivisionError):
-        return False
-    return bool(value.is_finite() and abs(value.real) > _SIZE_OF_GROWING)
+def _growing_powers(function: Expr, *, far: bool) -> Mapping[Order, Expr]:
+    """Return the powers of v in a smooth function that grow at rest, or far out, and their coefficients."""
+    if function.has(sp.Piecewise):
+        return {}
+    powers = ask_leading_terms(function, LeadingTerms.growing_powers, far=far)
+    return {} if isinstance(powers, Unknown) else powers
 
 
-def _shared_power_sets(strengths: Sequence[Mapping[Expr, object]]) -> list[set[Expr]]:
+def _shared_power_sets(strengths: Sequence[Mapping[Order, object]]) -> list[set[Order]]:
     """Return sets of powers such that what has one of a set has none of another."""
-    sets: list[set[Expr]] = []
+    sets: list[set[Order]] = []
     for strength in strengths:
         joined = set(strength).union(*(powers for powers in sets if powers & strength.keys()))
         sets = [powers for powers in sets if not powers & joined] + [joined]

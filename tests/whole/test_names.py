@@ -82,7 +82,6 @@ SAME_FUNCTIONS = {
 }
 SAME_NUMBERS = {
     "_HEIGHT": "of a picture",
-    "_HIGHEST_ROOT": "index of a root that is written as one",
     "_SEED": "of random numbers",
     "_SIZE": "of a picture",
     "_WIDTH": "of a picture",

@@ -42,6 +42,7 @@ from stickslip_sym.formula.evaluation.generalised_series import (
 )
 from stickslip_sym.formula.evaluation.reference_average import (
     BITS,
+    OCTAVES_BEYOND_SCALES,
     SMALLEST,
     MeanSlope,
     ReferenceAverage,
@@ -72,7 +73,6 @@ _CONDITION = {-1: 1.5, 1: 4.0}
 _ALLOWED_UNITS = 2.75  # of eps <|g'|>, by which a formula may differ from balls
 _ALLOWED_IN_CODE = 16  # of the same, by which what is written as code may differ from the definition
 
-_OCTAVES_BEYOND_SCALES = 40  # octaves beyond all scales of a profile up to which a closed form is compared
 _WAVING = (5, 3)  # the same of a profile that waves for ever, whose table ends there
 _STEPS = 12  # octaves from a scale, or from a corner, within which a series begins to hold
 _LARGEST_COEFFICIENT = 2.0**960  # of a coefficient: its products with its power of r stay within range
@@ -238,17 +238,17 @@ class _Builder:
         last = (self.values.end / 2, nothing) if reach < math.inf else self._far_out()
         direct = None
         if reach == math.inf:
-            direct = self._direct(last[0] if last else self.highest * 2.0**_OCTAVES_BEYOND_SCALES)
+            direct = self._direct(last[0] if last else self.highest * 2.0**OCTAVES_BEYOND_SCALES)
         if last is None and direct is None:
             farthest = next(
-                (k for k in (_OCTAVES_BEYOND_SCALES, *_WAVING) if self._is_tabulated(self.highest * 2.0**k)), None
+                (k for k in (OCTAVES_BEYOND_SCALES, *_WAVING) if self._is_tabulated(self.highest * 2.0**k)), None
             )
             if farthest is None:
                 return Unknown(f"{self.profile} varies too often for a table, and has no series far out")
             last = self.highest * 2.0**farthest, nothing
         outer = [pair for pair in (direct, last) if pair is not None]
         stop = outer[0][0]
-        opened, branch = self._near_rest(stop) or (self.lowest * 2.0**-_OCTAVES_BEYOND_SCALES, nothing)
+        opened, branch = self._near_rest(stop) or (self.lowest * 2.0**-OCTAVES_BEYOND_SCALES, nothing)
         pairs: list[tuple[float, Branch]] = [(0.0, branch)]
         if opened < stop:
             table = self._table(opened, stop)

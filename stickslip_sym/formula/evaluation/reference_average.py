@@ -28,8 +28,9 @@ from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import binary_fraction
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria.criterion import Criterion
+from stickslip_sym.model.expression.canonical_form import HIGHEST_POWER_OF_V
 from stickslip_sym.model.expression.pieces import branch_from, jumps, kinks_at
-from stickslip_sym.model.expression.transitions import HIGHEST_DEGREE, complex_zeros
+from stickslip_sym.model.expression.transitions import complex_zeros
 from stickslip_sym.model.taylor_model import balls_from_rest, coefficient_near_rest
 from stickslip_sym.numerics.chebyshev import gauss_grid
 from stickslip_sym.numerics.known import Unknown, required
@@ -70,9 +71,12 @@ _QUARTERS = 5  # halvings of a piece for balls that bound its slope
 _ORDER = 8  # of a power series that bounds it, where terms cancel
 _EXPANSION = 80  # terms of a weight that is no polynomial, which is expanded up to r
 _OCTAVES_TO_INNERMOST = 5  # octaves from r to the innermost panel, at least
-_DEEPEST = -40  # octaves below that of the lowest kink, or below 1, where the innermost panel is looked for
+OCTAVES_BEYOND_SCALES = 40
+"""Octaves below the lowest kink, or below 1, where the innermost panel is looked for, and beyond all scales of a
+profile up to which a closed form is compared."""
 _LARGEST_ORDER = 16
-_DEEP = BITS - _DEEPEST * _LARGEST_ORDER  # bits of working precision there, for differences between such powers
+_DEEP = BITS + OCTAVES_BEYOND_SCALES * _LARGEST_ORDER
+"""Bits of working precision there, for differences between such powers."""
 _P, _Q = sp.symbols("p q", cls=sp.Dummy)
 _LONGEST_LOG = 600.0  # of a scale: no speed in floats is further from 1 by its square
 _BEFORE_THE_END = 2.0**-9  # of the speed at which a profile ends: nearer to it there are no values
@@ -138,7 +142,7 @@ class ReferenceAverage:
         self._close = max(_OCTAVES_TO_INNERMOST, self._order)
         lowest = math.frexp(scales_of(profile, point)[0])[1]
         highest = min([lowest - self._close, *(math.frexp(float(kink))[1] - 1 for kink in self.kinks)])
-        tried = range(highest, highest + _DEEPEST, -_OCTAVES_TO_INNERMOST)
+        tried = range(highest, highest - OCTAVES_BEYOND_SCALES, -_OCTAVES_TO_INNERMOST)
         self._first = next((octave for octave in tried if self._innermost(octave)[1]), tried[-1])
         self._formula: BallFunction | None = None
         if closed is not None:
@@ -553,7 +557,7 @@ def _positive_zeros(expr: Expr, point: Substitution) -> list[float] | None:
     if not bound.is_polynomial(symbols.v):
         return None
     coefficients = sp.Poly(bound, symbols.v).all_coeffs()[::-1]
-    if len(coefficients) > HIGHEST_DEGREE + 1 or not all(c.is_Rational for c in coefficients):
+    if len(coefficients) > HIGHEST_POWER_OF_V + 1 or not all(c.is_Rational for c in coefficients):
         return None
     zeros = complex_zeros(fmpq_poly(list(map(rational, coefficients))))
     return [zero.real for zero in zeros if zero.imag == 0 and zero.real > 0]

@@ -25,10 +25,10 @@ from stickslip_sym.formula.finding.matching import (
     partial_fractions,
     waves_apart,
 )
+from stickslip_sym.model.expression.letters import HIGHEST_ROOT
 from stickslip_sym.model.terms import grouped
 
 _HALF = sp.Rational(1, 2)
-_HIGHEST_ROOT = 6  # of u, in rational functions
 
 
 def integrate_by_parts(polynomial: Expr, iterated_integral: Callable[[int], Expr], u: Expr) -> Expr:
@@ -362,7 +362,7 @@ def _rational_in_root(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     orders = {power.exp.q for power in factors.atoms(sp.Pow) if power.base == u and power.exp.is_Rational}
     q = int(sp.ilcm(1, 1, *orders))
     x = sp.Dummy("x", positive=True)
-    if not 1 < q <= _HIGHEST_ROOT:
+    if not 1 < q <= HIGHEST_ROOT:
         return None
     inner = (polynomial * factors).xreplace({u: x**q}) * q * x ** (q - 1)
     if not inner.is_rational_function(x):

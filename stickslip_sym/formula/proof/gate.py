@@ -5,6 +5,7 @@ profile with proved bounds, which know no antiderivative. A right formula overla
 does not.
 """
 
+import math
 import random
 from collections.abc import Sequence
 from contextlib import suppress
@@ -27,7 +28,7 @@ from stickslip_sym.criteria import quadrature
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.enclosure import Enclosure, average_enclosure, enclosure_of
 from stickslip_sym.formula.exact import to_ball
-from stickslip_sym.formula.proof.proving import Verdict
+from stickslip_sym.formula.proof.proving import DIGITS_OF_EQUALITY, Verdict
 from stickslip_sym.model.expression.pieces import kinks_at
 from stickslip_sym.model.terms import shapes_of
 
@@ -35,13 +36,14 @@ GATE_POINTS = 12
 GATE_DIGITS = 30
 _DIGITS_LEFT_OPEN = 3  # of these digits, which the last bits of an enclosure may leave open
 _QUADRATURE_DIGITS = 24  # by mpmath, where the definition is not enclosed: each digit takes long there
-_DIGITS_NOT_CLAIMED = 8  # of these digits, which are not claimed
+_DIGITS_NOT_CLAIMED = GATE_DIGITS - DIGITS_OF_EQUALITY  # of these digits, which are not claimed
 _GATE_SEED = 1
 _MOST_DRAWS = 40
 _DECADES = (-3, 3)  # of the belt speed and of every shape, for the points of the gate
 _EXPONENT_DECADES = (-0.5, 0.7)  # of a shape that is an exponent
 _LEAST_BITS = 64  # for a look at a profile
-_BITS_OF_GATE, _MOST_GATE_BITS = 100, 600  # of these digits; of working precision
+_BITS_OF_GATE = math.ceil(GATE_DIGITS * math.log2(10))  # of these digits
+_MOST_GATE_BITS = 600  # of working precision
 _NEARLY_AT_REST = sp.Rational(1, 10**6)  # of the belt speed, where a profile is looked at
 
 

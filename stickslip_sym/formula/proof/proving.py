@@ -34,11 +34,11 @@ from stickslip_sym.output.data import DataResult
 from stickslip_sym.output.shown import Shown
 
 _RANDOM_POINTS = 8
-_DIGITS_OF_EQUALITY = 22  # of the sides' size, to which they are the same, errors included, to count as equal
+DIGITS_OF_EQUALITY = 22  # of the sides' size, to which they are the same, errors included, to count as equal
 _SIZE_OF_ZERO = arb("1e-60")  # what both sides may differ by where they are 0
 _STRICT = (sp.StrictLessThan, sp.StrictGreaterThan)
 _BINDING = (sp.Integral, sp.Sum, sp.Product, sp.Derivative, sp.Subs, sp.Limit, sp.Lambda)
-_BITS_OF_VALUE = math.ceil((_DIGITS_OF_EQUALITY + 3) * math.log2(10))  # bits of a value that are enough
+_BITS_OF_VALUE = math.ceil((DIGITS_OF_EQUALITY + 3) * math.log2(10))  # bits of a value that are enough
 _MOST_PROOF_BITS = 784  # of working precision
 _MOST_INTEGRAND_VALUES = 3000  # of an integrand, before its integral counts as unknown
 
@@ -87,7 +87,7 @@ def prove_equal(lhs: Expr, rhs: Expr, by: By | None = None, checked: Verdict | N
     obstacle += open_
     if agreed < _RANDOM_POINTS // 2:
         evidence = (
-            f"only {agreed} of {_RANDOM_POINTS} points say anything to {_DIGITS_OF_EQUALITY} digits; {obstacle}"
+            f"only {agreed} of {_RANDOM_POINTS} points say anything to {DIGITS_OF_EQUALITY} digits; {obstacle}"
         )
         return Verdict(Status.ESTIMATED, evidence)
     where = (
@@ -95,7 +95,7 @@ def prove_equal(lhs: Expr, rhs: Expr, by: By | None = None, checked: Verdict | N
         if agreed == _RANDOM_POINTS
         else f"{agreed} of {_RANDOM_POINTS} random points"
     )
-    return Verdict(Status.CHECKED, f"equal to {_DIGITS_OF_EQUALITY} digits at {where}; {obstacle}")
+    return Verdict(Status.CHECKED, f"equal to {DIGITS_OF_EQUALITY} digits at {where}; {obstacle}")
 
 
 def prove_positive(expr: Expr) -> Verdict:
@@ -173,7 +173,7 @@ def _judge_equal(left: acb, right: acb) -> str | bool:
         second = enclosure_of(getattr(right, part))
         return "left {0}{2}, right {1}{2}".format(*first.apart(second), unit)
     size = left.abs_upper() + right.abs_upper()
-    return bool((left - right).abs_upper() <= (size * arb(10) ** -_DIGITS_OF_EQUALITY).max(_SIZE_OF_ZERO))
+    return bool((left - right).abs_upper() <= (size * arb(10) ** -DIGITS_OF_EQUALITY).max(_SIZE_OF_ZERO))
 
 
 def _judge_positive(value: acb) -> str | bool:

@@ -16,7 +16,11 @@ from stickslip_sym.core.special import Langevin
 from stickslip_sym.model.expression.pieces import join_kinks
 
 _MOST_EXPANDED = 6  # of a power of a sum of two terms that a rule makes
-_HIGHEST_POWER = 24  # of v that a rule makes
+HIGHEST_POWER_OF_V = 24
+"""That a law may have and a rule makes; zeros of polynomials of a higher degree, which take milliseconds, are not
+computed."""
+HIGHEST_POWER_OF_SUM = 16
+"""That a law may have, and that is multiplied out."""
 _ANY = sp.Wild("x")
 _RECIPROCALS: dict[type[Expr], type[Expr]] = {sp.cosh: sp.sech, sp.tanh: sp.coth}
 _OF_LOGARITHMS: dict[type[Expr], Callable[[Expr], Expr]] = {
@@ -175,7 +179,7 @@ def _rational_of_power(expr: Expr) -> Expr:
     front, logarithm = expr.args[0].as_independent(sp.log, as_Add=False)
     if not isinstance(logarithm, sp.log) or front.has(symbols.v):
         return expr
-    if front.is_number and abs(front) > _HIGHEST_POWER:
+    if front.is_number and abs(front) > HIGHEST_POWER_OF_V:
         return expr
     return _OF_LOGARITHMS[expr.func](power(logarithm.args[0], front))
 

@@ -20,7 +20,7 @@ _AT_A_GLANCE = 100
 """Numbers with a larger numerator or denominator get a letter."""
 _BESIDE_LETTERS = 9
 """The same in a formula that has such numbers: 0.34 beside 0.1234 gets a letter too."""
-_HIGHEST_ROOT = 6
+HIGHEST_ROOT = 6
 """Exponents with a larger denominator get a letter; those of others decide which functions integrals lead to."""
 _NAMES = {
     "coefficient": ("a", "q", "b", "g", "h", "z"),
@@ -115,7 +115,7 @@ class _Letters:
     def _of_exponent(self, exponent: Expr) -> Expr:
         if not exponent.is_Rational:
             return self.of(exponent)
-        if exponent.q <= _HIGHEST_ROOT:
+        if exponent.q <= HIGHEST_ROOT:
             return exponent
         return self._of_number(exponent, "exponent")
 

@@ -19,13 +19,11 @@ from stickslip_sym.core.errors import InputError, InputWarning
 from stickslip_sym.core.functions import fold, row
 from stickslip_sym.core.numbers import exact
 from stickslip_sym.core.remedies import Argument, Remedy
-from stickslip_sym.model.expression.canonical_form import canonical_form
+from stickslip_sym.model.expression.canonical_form import HIGHEST_POWER_OF_SUM, HIGHEST_POWER_OF_V, canonical_form
 from stickslip_sym.model.expression.parameters import Parameter
 from stickslip_sym.model.expression.parsing import parse_expression
 from stickslip_sym.output.printing import text
 
-_MAX_POWER_OF_V = 24
-_MAX_POWER_OF_SUM = 16
 _MAX_TERMS = 600
 _MAX_FUNCTIONS = 6  # in each other: of a tower such as exp(exp(...)) no computer holds the value
 
@@ -124,11 +122,11 @@ def _check_value(expr: Expr) -> None:
         base, exponent = node.args
         if base.is_negative and exponent.is_integer is False:
             raise InputError(f"{str(node)[:60]} is not real: only whole powers of a negative number are")
-        if base == symbols.v and exponent.is_number and abs(exponent) > _MAX_POWER_OF_V:
-            raise InputError(f"{node} is too high a power of v; at most v^{_MAX_POWER_OF_V} is supported")
-        if base.is_Add and exponent.is_Integer and abs(exponent) > _MAX_POWER_OF_SUM:
+        if base == symbols.v and exponent.is_number and abs(exponent) > HIGHEST_POWER_OF_V:
+            raise InputError(f"{node} is too high a power of v; at most v^{HIGHEST_POWER_OF_V} is supported")
+        if base.is_Add and exponent.is_Integer and abs(exponent) > HIGHEST_POWER_OF_SUM:
             raise InputError(
-                f"{str(node)[:60]} is too high a power of a sum; at most (...)^{_MAX_POWER_OF_SUM} is supported"
+                f"{str(node)[:60]} is too high a power of a sum; at most (...)^{HIGHEST_POWER_OF_SUM} is supported"
             )
     if fold(expr, _nested) > _MAX_FUNCTIONS:
         raise InputError(f"more than {_MAX_FUNCTIONS} functions stand in each other; write a simpler formula")

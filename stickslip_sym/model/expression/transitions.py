@@ -7,6 +7,7 @@ large. What stands in functions, but is no polynomial in v or in its logarithm, 
 """
 
 import math
+import sys
 from collections.abc import Iterator
 from functools import reduce
 from operator import add, mul
@@ -20,10 +21,9 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Substitution
 from stickslip_sym.core.balls import number_at, rational
 from stickslip_sym.core.functions import fold, row
+from stickslip_sym.model.expression.canonical_form import HIGHEST_POWER_OF_V
 
-HIGHEST_DEGREE = 24
-"""Of a polynomial whose zeros are computed: higher ones take milliseconds."""
-_MOST_LOG_SPEED = 700.0  # logarithm of a speed that a float holds
+_MOST_LOG_SPEED = math.log(sys.float_info.max)  # logarithm of a speed that a float holds
 _DIGITS_OF_CONSTANT = 60  # of a constant that is no rational number
 
 
@@ -62,7 +62,7 @@ def transitions(expr: Expr, point: Substitution) -> list[Transition]:
                 return _Argument(reduce(add if node.is_Add else mul, polynomials), True in kinds)
             if node.is_Pow and len(parts) == 2 and node.exp.is_Integer:
                 power = int(node.exp)
-                if 0 < power * max(polynomials[0].degree(), 1) <= HIGHEST_DEGREE:
+                if 0 < power * max(polynomials[0].degree(), 1) <= HIGHEST_POWER_OF_V:
                     return _Argument(polynomials[0] ** power, True in kinds)
         if not node.has(symbols.v):
             constant = _constant_polynomial(node, point)
@@ -122,7 +122,7 @@ def _speed_transitions(changes: Iterator[Transition], of_logarithm: bool) -> Ite
 
 def complex_zeros(polynomial: fmpq_poly) -> list[complex]:
     """Return the complex zeros of a polynomial, if it is not of too high a degree."""
-    pairs: Any = polynomial.complex_roots() if 0 < polynomial.degree() <= HIGHEST_DEGREE else ()
+    pairs: Any = polynomial.complex_roots() if 0 < polynomial.degree() <= HIGHEST_POWER_OF_V else ()
     return [complex(float(zero.real), float(zero.imag)) for zero, _ in pairs]
 
 

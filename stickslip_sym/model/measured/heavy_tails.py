@@ -16,14 +16,14 @@ from stickslip_sym.model.measured.sweep_branches import splines
 
 _FEWEST_ROWS_WITH_TAILS = 200  # rows, below which tails are not told from a few stray ones
 _ROWS_OF_ONE_NOISE = 100  # rows at neighbouring speeds, whose noise is of one size
-_DEVIATIONS_OFF, _DEVIATIONS_FAR_OFF = 3.5, 6.0  # robust standard deviations: a little off, and far
+_DEVIATIONS_OFF, DEVIATIONS_FAR_OFF = 3.5, 6.0  # robust standard deviations: a little off, and far
 _NORMAL_SHARE = 2 * float(
-    ndtr(-_DEVIATIONS_OFF) - ndtr(-_DEVIATIONS_FAR_OFF)
+    ndtr(-_DEVIATIONS_OFF) - ndtr(-DEVIATIONS_FAR_OFF)
 )  # share of rows of normal noise between these
 _PROBABILITY_OF_NORMAL = 1e-6  # probability of as many rows a little off, if noise is normal
 _TAIL_RATIO = 5  # times as many as normal noise has; sizes of the noise are known to 12 % only, which doubles that
 _STRAY = 4  # rows a little off for one far off; a stray row makes its two neighbours seem so
-_DEVIATION = 1.4826  # standard deviation over the median of abs(residual), if noise is normal
+NORMAL_DEVIATION = 1.4826  # standard deviation over the median of abs(residual), if noise is normal
 _LEAST_NOISE_IN_DECIMALS = 2  # last decimals, below which the size of noise is not resolved
 _HUBER = 1.345
 _ROWS_FOR_CURVE = 10_000  # rows for the curve: its error is then a hundredth of the noise
@@ -39,7 +39,7 @@ def have_heavy_tails(v: FloatArray, y: FloatArray) -> bool:
     if scales.min() <= _LEAST_NOISE_IN_DECIMALS * last_decimal(y):
         return False  # sizes of the noise cannot be told in so coarse digits
     sizes = np.abs(bends) / np.maximum(scales, np.finfo(np.float64).tiny)
-    far = int((sizes >= _DEVIATIONS_FAR_OFF).sum())
+    far = int((sizes >= DEVIATIONS_FAR_OFF).sum())
     off = int((sizes >= _DEVIATIONS_OFF).sum()) - far
     expected = _NORMAL_SHARE * len(sizes)
     return (
@@ -85,5 +85,5 @@ def _local_scale(residuals: FloatArray) -> FloatArray:
     sizes = np.abs(residuals)
     begin = longer * (size + 1)
     blocks = sizes[:begin].reshape(longer, size + 1), sizes[begin:].reshape(count - longer, size)
-    medians = [_DEVIATION * np.median(rows, axis=1) for rows in blocks]
+    medians = [NORMAL_DEVIATION * np.median(rows, axis=1) for rows in blocks]
     return np.concatenate([np.repeat(medians[0], size + 1), np.repeat(medians[1], size)])

@@ -18,7 +18,12 @@ from stickslip_sym.core.numbers import Number, fraction, read_array, real, requi
 from stickslip_sym.core.remedies import Argument
 from stickslip_sym.core.units import has_no_unit, strip_unit
 from stickslip_sym.model.measured.blocks import Block, refuse_contradiction
-from stickslip_sym.model.measured.heavy_tails import have_heavy_tails, huber_weights
+from stickslip_sym.model.measured.heavy_tails import (
+    DEVIATIONS_FAR_OFF,
+    NORMAL_DEVIATION,
+    have_heavy_tails,
+    huber_weights,
+)
 from stickslip_sym.model.measured.sweep_branches import SweepBranches, sweep_branches_of
 from stickslip_sym.model.measured.text_table import Table, read_table
 from stickslip_sym.output.data import TableResult
@@ -27,7 +32,6 @@ from stickslip_sym.output.shown import Drawn, views_of
 _SHARE_OF_OTHER_SIGN = 0.05  # share of rows with the other sign, up to which they are noise of a small force
 _LARGEST_MU = 5.0  # no dry or lubricated contact comes near it
 _FASTEST = 100.0  # m/s, above which a speed without a unit is taken for one in mm/s
-_OUTLYING = 6.0  # robust standard deviations off a smooth curve: noise does that once in 5e8
 _FEW_ROWS = 20.0  # of fewer the robust deviation is itself uncertain by a factor
 _GAP_RATIOS = (
     2.0,
@@ -35,7 +39,7 @@ _GAP_RATIOS = (
 )  # times what three rows span, and the mean gap of speeds: mu may be any number beyond such a gap
 _ROWS_BESIDE_OUTLIER = 3  # rows on either side that an outlier is held against; one of them may be an outlier too
 _RISES = 4.0  # times what friction changes between rows beside an outlier, which a smooth curve may exceed too
-_ROBUST = 1.4826 / 1.5**0.5  # standard deviation over the median of |mu_i - (mu_i-1 + mu_i+1)/2|
+_ROBUST = NORMAL_DEVIATION / 1.5**0.5  # standard deviation over the median of |mu_i - (mu_i-1 + mu_i+1)/2|
 _LARGE_TRACK = 1.0  # m; those of tribometers are smaller
 _LARGEST_TRACK = 1000  # m
 _RESOLUTION = 0.01  # of mu: smaller steps are no outliers, however even the other rows are
@@ -503,7 +507,7 @@ def _outliers(v: FloatArray, y: FloatArray) -> BoolArray:
         return np.zeros(len(y), dtype=bool)
     noise = _ROBUST * float(np.median(np.abs(y[1:-1] - (y[:-2] + y[2:]) / 2)))
     few = 1 + (_FEW_ROWS / len(y)) ** 2
-    tolerance = _OUTLYING * few * max(noise, _RESOLUTION * float(np.median(np.abs(y))))
+    tolerance = DEVIATIONS_FAR_OFF * few * max(noise, _RESOLUTION * float(np.median(np.abs(y))))
     # mu is between the medians of the three rows on either side, or beyond by as much as neighbours differ; at the
     # lowest speeds it may rise or fall steeply, and only a multiple of what follows is refused.
     lower = np.minimum(y[:-2], y[1:-1])
