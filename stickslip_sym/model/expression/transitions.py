@@ -7,7 +7,6 @@ large. What stands in functions, but is no polynomial in v or in its logarithm, 
 """
 
 import math
-import sys
 from collections.abc import Iterator
 from functools import reduce
 from operator import add, mul
@@ -23,7 +22,7 @@ from stickslip_sym.core.balls import number_at, rational
 from stickslip_sym.core.functions import fold, row
 from stickslip_sym.model.expression.canonical_form import HIGHEST_POWER_OF_V
 
-_MOST_LOG_SPEED = math.log(sys.float_info.max)  # logarithm of a speed that a float holds
+_MOST_LOG_SPEED = 700.0  # logarithm of a speed that a float holds, and some thousand times that
 _DIGITS_OF_CONSTANT = 60  # of a constant that is no rational number
 
 
