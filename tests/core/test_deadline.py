@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 import stickslip_sym as ss
 from stickslip_sym.core import deadline
 from support.strategies import laws, operating_points
+from support.sweeps import fewer
 
 LAW = ss.laws.exponential.typical()
 OSC = ss.Oscillator(m=1, k=100, c=2.3, V=0.5, N=9.81)
@@ -75,6 +76,7 @@ def test_nothing_is_claimed_without_time():
     assert not CALLS["regime"](LAW, OSC, None).undecided
 
 
+@fewer(3)
 @given(laws(static=True), operating_points(), st.sampled_from(sorted(CALLS)))
 def test_a_time_limit_holds_for_any_law(law, osc, name):
     """Laws with fitted numbers, with which exact powers once took hours."""

@@ -14,7 +14,7 @@ import stickslip_sym as ss
 from stickslip_sym.core.numbers import to_mpf
 from stickslip_sym.model.samples import MOST
 from support.platforms import FOLDER_OPENED
-from support.sweeps import some, sweep
+from support.sweeps import fewer, some, sweep
 
 SPEEDS = ["0", "0.05", "0.1", "0.2", "0.4", "0.7", "1.2"]
 COEFFICIENTS = ["0.5", "0.44", "0.4", "0.34", "0.29", "0.27", "0.28"]
@@ -34,6 +34,7 @@ STEPS = st.tuples(st.integers(1, 400), st.integers(-300, 900))
 ROUNDING = 5e-12  # of speeds up to 5 m/s, times the slope of the steepest curve
 
 
+@fewer(3)
 @given(st.lists(STEPS, min_size=4, max_size=12), st.integers(0, 9))
 @mpmath.workdps(30)
 def test_a_curve_goes_through_its_points_and_falls_where_they_do(points, tenths):

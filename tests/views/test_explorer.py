@@ -59,12 +59,10 @@ def page():
     return explorer(ss.laws.exponential.typical(), ss.Oscillator(c=2, **POINT))
 
 
-def test_a_slider_moved_shows_what_python_computes(page, tmp_path):
-    require_browser(tmp_path)
+def test_a_slider_moved_shows_what_python_computes(page, answers):
     assert len(page) < 500_000
     assert not re.findall(r"(?:src|href)=\"(?!data:)|url\(|https?://|@import|fetch\(", page)
-    moves = {"V": 0.31, "alpha": 0.72, "mu_s": 0.6, "c": 0.5}, {"V": 0.4, "N": 0.7}
-    found, at_own = moved(page, tmp_path, *((shares, {}) for shares in moves))
+    found, at_own = answers[: len(MOVES)]
     state = found["state"]
     assert state["V"] == pytest.approx(0.5 * 5 ** (2 * 0.31 - 1), rel=1e-9)
     law = ss.laws.exponential.bind(**{name: state[name] for name in ("mu_s", "mu_m", "alpha")})
@@ -85,13 +83,10 @@ def test_a_slider_moved_shows_what_python_computes(page, tmp_path):
     assert np.max(np.abs(np.array(at_own["y"])[rows] - y)) < 2e-2 * np.ptp(y)
 
 
-def test_what_python_refuses_the_page_refuses_and_a_comma_is_a_decimal_sign(page, tmp_path):
-    require_browser(tmp_path)
-    wrong = {"V": "-1", "N": "-5", "m": "0", "k": "1e", "alpha": "x"}
-    written = [{"V": "0,3"}, *({name: text} for name, text in wrong.items())]
-    comma, *refused = moved(page, tmp_path, *(({}, fields) for fields in written))
+def test_what_python_refuses_the_page_refuses_and_a_comma_is_a_decimal_sign(answers):
+    comma, *refused = answers[len(MOVES) :]
     assert (comma["state"]["V"], comma["invalid"]) == (0.3, [])
-    for name, found in zip(wrong, refused, strict=True):
+    for name, found in zip(WRONG, refused, strict=True):
         assert found["invalid"] == [f"value-{name}"]
         assert found["headline"].startswith(f"{name} ")
         assert found["state"] == {
@@ -104,6 +99,19 @@ def test_what_python_refuses_the_page_refuses_and_a_comma_is_a_decimal_sign(page
             "mu_m": 0.2,
             "alpha": 3,
         }
+
+
+MOVES = {"V": 0.31, "alpha": 0.72, "mu_s": 0.6, "c": 0.5}, {"V": 0.4, "N": 0.7}
+WRONG = {"V": "-1", "N": "-5", "m": "0", "k": "1e", "alpha": "x"}
+
+
+@pytest.fixture(scope="module")
+def answers(page, tmp_path_factory):
+    """What the page computes after `MOVES`, after a comma and after each of `WRONG`: one start of the browser."""
+    folder = tmp_path_factory.mktemp("moved")
+    require_browser(folder)
+    written = [{"V": "0,3"}, *({name: text} for name, text in WRONG.items())]
+    return moved(page, folder, *((shares, {}) for shares in MOVES), *(({}, fields) for fields in written))
 
 
 def own_script(page):

@@ -38,7 +38,7 @@ KINDS = [
 AT_ONE_POINT = [(name, "equilibrium") for name in ("exponential", "gaussian", "lorentzian", "tanh", "polynomial")]
 
 
-@sample(10)
+@sample(6)
 @pytest.mark.parametrize("regime", ["middle", "small", "large"])
 @sweep(("name", "criterion"), [*FORMS, *AT_ONE_POINT], *KINDS)
 def test_over_all_decades(name, criterion, regime):

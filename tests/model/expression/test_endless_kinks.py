@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip_sym as ss
+from support.sweeps import sample
 
 SPEEDS = np.array([0.0, 0.1, 1.0, 20.0, 1e6])
 RNG = random.Random(407)
@@ -18,6 +19,7 @@ LAWS = {
 }
 
 
+@sample(2)
 @pytest.mark.parametrize("formula", LAWS)
 def test_a_kink_beyond_all_speeds_is_none(formula):
     q, b = round(RNG.uniform(0.3, 0.6), 3), round(RNG.uniform(0.01, 0.2), 3)

@@ -164,7 +164,7 @@ def by_chebyshev(rate, q, w, time, nodes=40):
     raise AssertionError("the iteration has not settled")
 
 
-@sweep("count", [3, 300], 3)
+@sweep("count", [2, 300], 2)
 def test_a_step_of_a_random_law_is_mpmath_s(count):
     """To 35 digits, for functions within functions; six terms without what they leave over are another motion."""
     rng = random.Random(9)

@@ -48,7 +48,7 @@ def error_along(law, point, method, seed, step, rtol=1e-12):
     return abs(sum(parts) - total / step) / max(abs(found.value), *map(abs, parts))
 
 
-@sweep("count", [6, 100], 6)
+@sweep("count", [4, 100], 4)
 def test_orbit_against_differences(count):
     """Of 100 the worst was off by 3e-13; the second order has its own derivatives, however strong friction is."""
     for law, point in smooth_points(np.random.default_rng(3), count):
