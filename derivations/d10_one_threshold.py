@@ -29,6 +29,7 @@ from typing import Any
 import sympy as sp
 
 from derivations import paper
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.symbols import N, V, c, k, m, mu, x
 from stickslip_sym.formula.derivation import Derivation
 
@@ -136,6 +137,6 @@ def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
     return d
 
 
-def _gap(force: Any, c1: Any, more: Any, claimed: Any) -> tuple[Any, Any]:
+def _gap(force: Expr, c1: Expr, more: Expr, claimed: Expr) -> tuple[Expr, Expr]:
     less, greater = (sp.solve(force.subs(c, value), x)[0] for value in (c1, c1 + more))
     return less - greater, claimed

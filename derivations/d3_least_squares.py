@@ -10,6 +10,7 @@ from typing import Any
 import sympy as sp
 
 from derivations import paper
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.symbols import V, a, b, c, mu, u
 from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.proof.theorems import ChangeOfVariable, LinearSolution
@@ -30,7 +31,7 @@ def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
         shown=S,
     )
 
-    def moment(integrand: Any) -> Any:
+    def moment(integrand: Expr) -> Expr:
         return sp.Integral(integrand, (u, 0, 2 * V))
 
     weight = (V - u) ** 2

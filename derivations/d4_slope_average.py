@@ -11,6 +11,7 @@ import sympy as sp
 
 from derivations import paper
 from stickslip_sym import criteria
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.symbols import N, V, c, mu, s, u
 from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.proof.theorems import Antiderivative, ChangeOfVariable
@@ -24,7 +25,7 @@ def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
     local = mu(V * (1 + s))
     slope = sp.diff(local, s) / V
 
-    def average(integrand: Any) -> Any:
+    def average(integrand: Expr) -> Expr:
         return sp.Integral(integrand, (s, -1, 1))
 
     d = Derivation("slope_average", "The criterion (16) as an average of the falling slope")

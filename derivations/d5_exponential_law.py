@@ -7,6 +7,7 @@ import sympy as sp
 
 from derivations import paper
 from stickslip_sym import FrictionLaw, laws
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.symbols import N, V, c, mu, u, v
 from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.proof.theorems import Antiderivative
@@ -28,7 +29,7 @@ def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
     return d
 
 
-def integrate_law(d: Derivation, law: FrictionLaw, printed: Mapping[str, Any], label: str) -> Any:
+def integrate_law(d: Derivation, law: FrictionLaw, printed: Mapping[str, Any], label: str) -> Expr:
     """Add the steps from (16) to the closed form for the law printed under `label`, and return the form."""
     coefficient = printed[label]
     d.equal(

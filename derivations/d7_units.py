@@ -11,6 +11,7 @@ import sympy as sp
 
 from derivations import paper
 from stickslip_sym import laws
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.symbols import QUANTITIES, N, V, c, mu, s, u
 from stickslip_sym.formula.derivation import Derivation
 from stickslip_sym.formula.proof.theorems import ChangeOfVariable
@@ -35,8 +36,9 @@ def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
         by=ChangeOfVariable(u, s, s * parse_unit("m/s")),
     )
 
-    def equilibrium(label: str) -> Any:
-        return -N * sp.diff(printed[label], u).subs(u, V)
+    def equilibrium(label: str) -> Expr:
+        force: Expr = printed[label]
+        return -N * sp.diff(force, u).subs(u, V)
 
     formulas = {
         "(17)": (printed["(17)"], laws.exponential),

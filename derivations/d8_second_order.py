@@ -16,6 +16,7 @@ import sympy as sp
 
 from derivations import paper
 from stickslip_sym import laws
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.symbols import N, V, c, k, m, mu, theta, u, v
 from stickslip_sym.formula.derivation import Derivation
 
@@ -44,7 +45,7 @@ def derivation(replaced: Mapping[str, Any] | None = None) -> Derivation:
     return d
 
 
-def law_4() -> Any:
+def law_4() -> Expr:
     """Return c of the law (4) to second order, as it is to be printed."""
     mu_s, mu_m, v_m = (paper.polynomial[name] for name in ("mu_s", "mu_m", "v_m"))
     drop = mu_s - mu_m
@@ -52,7 +53,7 @@ def law_4() -> Any:
     return weak + sp.Rational(31149, 81920) * N**3 * drop**3 * V**6 / (k * m * v_m**9)
 
 
-def take_polynomial_law(d: Derivation, printed: Mapping[str, Any]) -> Any:
+def take_polynomial_law(d: Derivation, printed: Mapping[str, Any]) -> Expr:
     """Add the step that takes the law (4) as it is printed, and return it."""
     return d.equal(
         "take the law (4)",
@@ -74,7 +75,7 @@ def _any_law(d: Derivation) -> None:
     force = M(z) - chat * z
     balance = pace**2 * sp.diff(z, theta, 2) + z - eta * pace * sp.diff(force, theta)
 
-    def order(expr: Any, power: int) -> Any:
+    def order(expr: Expr, power: int) -> Expr:
         return (sp.diff(expr, eta, power).subs(eta, 0) / sp.factorial(power)).doit()
 
     w = sp.Dummy("w", real=True)
@@ -105,7 +106,7 @@ def _harmonics(d: Derivation) -> None:
     m_n, f_n, f_1, h = sp.symbols("m_n f_n f_1 h", real=True)
     b_n, a_n = n * m_n / (n**2 - 1), -n * f_n / (n**2 - 1)
 
-    def left(part: Any) -> Any:
+    def left(part: Expr) -> Expr:
         return sp.diff(part, theta, 2) + part
 
     d.equal(
@@ -181,30 +182,30 @@ def _height(d: Derivation) -> None:
 # -- polynomial laws -------------------------------------------------------------------------------
 
 
-def _by_phase(expr: Any) -> Any:
+def _by_phase(expr: Expr) -> Expr:
     """Differentiate a Laurent polynomial in E = exp(i theta) with respect to theta."""
     return sp.expand(sp.I * E * sp.diff(expr, E))
 
 
-def _harmonic(expr: Any, n: int) -> Any:
+def _harmonic(expr: Expr, n: int) -> Expr:
     """Return the coefficient of E^n of a Laurent polynomial."""
     return sp.expand(expr).coeff(E, n)
 
 
-def _degree(expr: Any) -> int:
+def _degree(expr: Expr) -> int:
     powers = [term.as_powers_dict().get(E, 0) for term in sp.Add.make_args(sp.expand(expr))]
     return int(max(powers, default=0))
 
 
-def _cosine(n: int) -> Any:
+def _cosine(n: int) -> Expr:
     return (E**n + E**-n) / 2
 
 
-def _sine(n: int) -> Any:
+def _sine(n: int) -> Expr:
     return (E**n - E**-n) / (2 * sp.I)
 
 
-def expansion(law: Any) -> dict[str, Any]:
+def expansion(law: Expr) -> dict[str, Any]:
     """Expand the grazing orbit of a law that is a polynomial in v.
 
     Returns
@@ -235,7 +236,7 @@ def expansion(law: Any) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def threshold(law: Any) -> Any:
+def threshold(law: Expr) -> Expr:
     """Return c of a polynomial law to second order, in V, N, m, k and the law's parameters."""
     found = expansion(law)
     ratio = N**2 / (V**2 * k * m)
@@ -243,7 +244,7 @@ def threshold(law: Any) -> Any:
     return N / V * (first + ratio * second)
 
 
-def _polynomial_law(d: Derivation, law: Any) -> None:
+def _polynomial_law(d: Derivation, law: Expr) -> None:
     """Put the expansion of a polynomial law into the equations of the three orders."""
     x = expansion(law)
     z0, z1, z2 = _cosine(1), x["z1"], x["z2"]
@@ -251,10 +252,10 @@ def _polynomial_law(d: Derivation, law: Any) -> None:
     M, Z1, Z2 = (sp.Function(name, real=True) for name in ("M", "z1", "z2"))
     circle = sp.cos(theta)
 
-    def shown(part: Any, pushed: Any) -> Any:
+    def shown(part: Expr, pushed: Expr) -> Expr:
         return sp.Derivative(part, (theta, 2)) + part - sp.Derivative(pushed, theta)
 
-    def balance(part: Any, pushed: Any) -> Any:
+    def balance(part: Expr, pushed: Expr) -> Expr:
         return _by_phase(_by_phase(part)) + part - _by_phase(pushed)
 
     d.equal(

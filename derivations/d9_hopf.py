@@ -5,13 +5,14 @@ For a velocity amplitude A the work of friction and damping over a harmonic cycl
 c = N <-mu'(V + A cos)>, weighted with sin^2: the harmonic criterion with A in place of V.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import sympy as sp
 
 from derivations import paper
 from derivations.d8_second_order import take_polynomial_law
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.symbols import N, V, c, k, m, mu, theta, v
 from stickslip_sym.formula.derivation import Derivation
 
@@ -58,7 +59,7 @@ def _linear(d: Derivation) -> None:
     )
 
 
-def _average(slope: Any, A: Any) -> Any:
+def _average(slope: Callable[[Expr], Expr], A: Expr) -> Expr:
     """Return the harmonic balance, c/N, of a slope mu'(V + s) that is a polynomial in s."""
     s = sp.Dummy("s", real=True)
     integrand = sp.expand((-slope(s)).subs(s, A * sp.cos(theta)) * sp.sin(theta) ** 2)
@@ -69,7 +70,7 @@ def _criticality(d: Derivation) -> None:
     A = sp.Symbol("A", positive=True)
     slopes = sp.symbols("mu1 mu2 mu3 mu4", real=True)
 
-    def taylor(s: Any) -> Any:
+    def taylor(s: Expr) -> Expr:
         return sp.Add(*[slope * s**n / sp.factorial(n) for n, slope in enumerate(slopes)])
 
     need = d.equal(
@@ -96,7 +97,7 @@ def _criticality(d: Derivation) -> None:
     )
 
 
-def _polynomial_law(d: Derivation, law: Any, replaced: Any | None) -> None:
+def _polynomial_law(d: Derivation, law: Expr, replaced: Expr | None) -> None:
     A = sp.Symbol("A", positive=True)
     slope = sp.diff(law, v)
     need = d.equal(
@@ -124,11 +125,11 @@ def _polynomial_law(d: Derivation, law: Any, replaced: Any | None) -> None:
     )
 
 
-def drop() -> Any:
+def drop() -> Expr:
     """Return mu_s - mu_m of the law (4)."""
     return paper.polynomial["mu_s"] - paper.polynomial["mu_m"]
 
 
-def v_m() -> Any:
+def v_m() -> Expr:
     """Return the speed of the lowest coefficient of the law (4)."""
     return paper.polynomial["v_m"]

@@ -11,6 +11,7 @@ from typing import Any
 import sympy as sp
 
 from stickslip_sym import laws
+from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.symbols import N, V, a, b, c, k, m, mu, t, u
 
 motion = sp.Function("x", real=True)(t)
@@ -21,12 +22,12 @@ exponential = {name: parameter.symbol for name, parameter in laws.exponential.pa
 polynomial = {name: parameter.symbol for name, parameter in laws.polynomial.parameters.items()}
 
 
-def over_cycle(integrand: Any) -> Any:
+def over_cycle(integrand: Expr) -> Expr:
     """Integrate over the time T from P to Q."""
     return sp.Integral(integrand, (t, t_P, t_Q))
 
 
-def value(expr: Any, time: Any) -> Any:
+def value(expr: Expr, time: Expr) -> Expr:
     """Return the value of an expression at a time."""
     return expr.subs(t, time)
 
@@ -69,6 +70,6 @@ def equations(replaced: Mapping[str, Any] | None = None) -> dict[str, Any]:
     return printed | dict(replaced or {})
 
 
-def equation_of_motion_force() -> Any:
+def equation_of_motion_force() -> Expr:
     """Return the friction force that Newton's law (2) asks for, f = m x'' + c x' + k x."""
     return m * sp.diff(motion, t, 2) + c * sp.diff(motion, t) + k * motion

@@ -130,7 +130,7 @@ def scatter(law: FrictionLaw, criterion: Criterion, V: float, N: float) -> float
     end = law.curve.end
     points = [(place, cubic[0]) for place, cubic in zip(law.curve.places, law.curve.cubics, strict=True)]
     if end is not None:
-        points += [(end, exact(float(law.mu(float(end))), "mu"))]
+        points += [(end, exact(law.mu(float(end)), "mu"))]
     if len(points) < _FEWEST_POINTS:
         return 0.0
     values, whole = [], law.kinetic.table  # between whose places all curves are smooth

@@ -481,7 +481,7 @@ def pure_slip_by_bisection(law: FrictionLaw, osc: Oscillator, high: float, rtol:
 
     def comes_back(c: float) -> bool:
         deadline.check_time()
-        x = (float(law.mu(0.0)) * osc.N - c * osc.V) / osc.k
+        x = (law.mu(0.0) * osc.N - c * osc.V) / osc.k
         t_end = _ROUND / osc.omega
         run = slip_by_solve_ivp(law.bound, replace(osc, c=c), 0.0, x, osc.V, 1, t_end, rtol, **_DEFAULTS)
         return bool(run.t_events[0].size)
@@ -510,7 +510,7 @@ def comes_to_rest_smoothed(law: FrictionLaw, osc: Oscillator, x0: float, v0: flo
 
     deadline.check_time()
     mu = law.function("math")
-    at_rest = float(law.mu(0.0))
+    at_rest = law.mu(0.0)
 
     def rates(_: float, y: FloatArray) -> tuple[float, float]:
         speed = osc.V - y[1]

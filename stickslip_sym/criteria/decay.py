@@ -119,14 +119,13 @@ def _leading_decay(node: Expr, point: Substitution) -> Decay | None:
 
 def _exponent_powers(node: Expr, point: Substitution) -> list[tuple[Expr, Expr]]:
     """Return exponents and coefficients of an exponential's argument; nothing if it is no sum of powers of v."""
-    values = {symbol: value for symbol, value in point.items() if not isinstance(value, acb)}
     powers: dict[Expr, Expr] = {}
     for term in sp.Add.make_args(sp.expand(node.exp)):
         coefficient, power = sp.expand_power_base(term, force=True).as_coeff_exponent(symbols.v)
-        if coefficient.has(symbols.v) or (coefficient.free_symbols | power.free_symbols) - values.keys():
+        if coefficient.has(symbols.v) or (coefficient.free_symbols | power.free_symbols) - point.keys():
             return []
-        power = number_at(power, values)
-        powers[power] = powers.get(power, sp.S.Zero) + number_at(coefficient, values)
+        power = number_at(power, point)
+        powers[power] = powers.get(power, sp.S.Zero) + number_at(coefficient, point)
     if all(c.is_real for c in powers.values()):
         return [(power, c) for power, c in powers.items() if c != 0]
     return []

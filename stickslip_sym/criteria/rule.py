@@ -9,7 +9,7 @@ not is part of the error.
 from collections.abc import Callable, Iterable
 from functools import lru_cache, partial
 from itertools import chain
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import sympy as sp
@@ -213,6 +213,6 @@ def _weight(criterion: Criterion, theta: FloatArray) -> FloatArray:
 
 
 @lru_cache(maxsize=32)
-def _kernel_from_ends(criterion: Criterion) -> Callable[[FloatArray, FloatArray], Any]:
+def _kernel_from_ends(criterion: Criterion) -> Callable[[FloatArray, FloatArray], FloatArray]:
     p, q = sp.symbols("p q", positive=True)
     return function_of([p, q], criterion.from_ends(p, q), "numpy")

@@ -8,8 +8,8 @@ large argument, mpmath evaluates; its value counts as a ball as wide as two prec
 import math
 from collections.abc import Callable, Mapping
 from functools import lru_cache
-from typing import Any
 
+import mpmath
 import sympy as sp
 from flint import acb, arb, ctx
 
@@ -114,7 +114,7 @@ def _evaluate_by_mpmath(node: Expr, arguments: list[acb]) -> acb:
 
 
 @lru_cache
-def _compile_packed(kind: type[Expr], lengths: tuple[int, ...], context: Any) -> Callable[..., Mpf]:
+def _compile_packed(kind: type[Expr], lengths: tuple[int, ...], context: mpmath.MPContext) -> Callable[..., Mpf]:
     """Compile a function, of whose arguments some are tuples of so many."""
     node = kind(*(sp.Tuple(*sp.symbols(f"x:{n}", cls=sp.Dummy)) if n else sp.Dummy() for n in lengths))
     return function_of(arguments(node), node, context)

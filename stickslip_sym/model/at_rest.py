@@ -120,7 +120,7 @@ def _rise_of_piece(values: Substitution, lowest: Expr, piece: Expr, start: Expr)
     return rising
 
 
-def _plain_difference(plain: Callable[[FloatArray], Any], onset: float, v: FloatArray) -> FloatArray:
+def _plain_difference(plain: Callable[[FloatArray], FloatArray], onset: float, v: FloatArray) -> FloatArray:
     with np.errstate(all="ignore"):
         return reals(plain(v)) - onset + np.zeros_like(v)
 

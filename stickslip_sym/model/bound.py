@@ -169,11 +169,11 @@ class BoundLaw:
         return at_rest.function_at(slope_of(self.expr) if derivative else self.expr, self.point, backend)
 
     @cached_property
-    def _mu(self) -> Callable[[FloatArray], Any]:
+    def _mu(self) -> Callable[[FloatArray], FloatArray]:
         return self.function("numpy")
 
     @cached_property
-    def _slope(self) -> Callable[[FloatArray], Any]:
+    def _slope(self) -> Callable[[FloatArray], FloatArray]:
         return self.function("numpy", derivative=True)
 
     def mu(self, v: ArrayLike) -> Any:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Self, SupportsFloat
+from typing import TYPE_CHECKING, Any, Self, SupportsFloat, overload
 
 import sympy as sp
 from numpy.typing import ArrayLike
@@ -423,6 +423,10 @@ class FrictionLaw(Shown, DataResult):
         """Return the slip speeds v > 0 at which mu or its slope may jump, exact and ascending."""
         return list(self.kinetic.exact_kinks)
 
+    @overload
+    def mu(self, v: float) -> float: ...
+    @overload
+    def mu(self, v: ArrayLike) -> FloatArray: ...
     def mu(self, v: ArrayLike) -> Any:
         """Return the friction coefficient mu(v) at slip speeds v >= 0 (m/s), float or array.
 
@@ -433,6 +437,10 @@ class FrictionLaw(Shown, DataResult):
         """
         return self.kinetic.mu(v)
 
+    @overload
+    def slope(self, v: float) -> float: ...
+    @overload
+    def slope(self, v: ArrayLike) -> FloatArray: ...
     def slope(self, v: ArrayLike) -> Any:
         """Return the slope dmu/dv (s/m) at slip speeds v >= 0 (m/s), float or array; refuses as `mu` does."""
         return self.kinetic.slope(v)

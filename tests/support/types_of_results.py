@@ -17,6 +17,8 @@ def types_of_results(law: ss.FrictionLaw, oscillator: ss.Oscillator, speeds: Flo
     assert_type(ss.pure_slip_damping(law, oscillator).relative_error, float | None)
     assert_type(ss.derive(law)(V=0.5, N=9.81), float)
     assert_type(ss.slope_average(law)(V=speeds, N=np.float64(9.81)), FloatArray)
+    assert_type(law.mu(0.5), float)
+    assert_type(law.slope(speeds), FloatArray)
     fits = ss.fit(speeds, speeds)
     assert_type(fits[0], ss.results.Fit)
     assert_type(fits["linear"], ss.results.Fit)
@@ -36,6 +38,7 @@ def types_of_expressions(expr: Expr, condition: Condition, number: Mpf) -> None:
     expr.nonsense(1)  # type: ignore[attr-defined]
     expr.subs(1).nonsense  # type: ignore[attr-defined]  # noqa: B018
     expr + "1"  # type: ignore[operator]
+    expr + condition  # type: ignore[operator]
     condition + 1  # type: ignore[operator]
     sp.diff(None)  # type: ignore[call-overload]
     number.nonsense()  # type: ignore[attr-defined]

@@ -11,7 +11,7 @@ from .core.function import AppliedUndef
 
 _B = TypeVar("_B", bound=Basic)
 _T = TypeVar("_T")
-_Value: TypeAlias = Basic | complex | Fraction | mpf
+_Value: TypeAlias = Expr | complex | Fraction | mpf
 _Ratio: TypeAlias = Rational | int
 
 class Basic:

@@ -136,7 +136,7 @@ class Regime(Drawn, DataResult):
         law = self.law
         osc = self.oscillator
         rise = self.system.rise
-        x = osc.N * float(law.mu(osc.V)) / osc.k
+        x = osc.N * law.mu(osc.V) / osc.k
         jump = sum(
             size for level, size in zip(rise.levels, rise.jumps, strict=False) if abs(level - 1) <= ROUNDING
         )
@@ -425,7 +425,7 @@ class Regime(Drawn, DataResult):
         for orbit in self.cycles:
             # Where v is highest the forces are in balance; slower than the belt or faster, friction has its sign.
             slip = osc.V - orbit.amplitude
-            force = osc.N * float(law.mu(abs(slip))) * (1 if slip >= 0 else -1)
+            force = osc.N * law.mu(abs(slip)) * (1 if slip >= 0 else -1)
             name = "pure-slip cycle" if orbit.stable else "pure-slip cycle, unstable"
             begins.append((name, (force - osc.c * orbit.amplitude) / osc.k, orbit.amplitude, orbit.period))
         curves = list[tuple[str, FloatArray, FloatArray]]()
