@@ -128,8 +128,7 @@ class _Flint(StrPrinter):  # type: ignore[misc]  # SymPy is untyped
     def _print_Symbol(self, expr: Expr) -> str:
         return _VARIABLES.get(expr) or self.names[expr]
 
-    def _print_Dummy(self, expr: Expr) -> str:
-        return self._print_Symbol(expr)
+    _print_Dummy = _print_Symbol
 
     def _print_Rational(self, expr: Expr) -> str:
         return f"fmpq({expr.p}, {expr.q})"

@@ -26,8 +26,7 @@ class _Script(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
     def _print_Symbol(self, expr: Expr) -> str:
         return self.names[expr]
 
-    def _print_Dummy(self, expr: Expr) -> str:
-        return self.names[expr]
+    _print_Dummy = _print_Symbol
 
     def _print_Rational(self, expr: Expr) -> str:
         return f"Rational({expr.p}, {expr.q})"

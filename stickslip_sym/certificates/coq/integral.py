@@ -306,10 +306,7 @@ class Integral(Script):
         kernel = self.criterion.kernel.xreplace({symbols.v: self.v}).replace(
             _is_odd, lambda node: -((-node.base) ** node.exp)
         )
-        if shares:
-            in_code = " + ".join(f"({self.code(share)})" for share in shares.values())
-        else:
-            in_code = self.code(c)
+        in_code = " + ".join(f"({self.code(share)})" for share in shares.values()) or self.code(c)
         law = self.law(mu, in_code, excluded, self.part("kernel", kernel=self.code(kernel)))
         total = self._sum(mu, c, shares)
         return self.assembled(

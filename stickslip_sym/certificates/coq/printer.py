@@ -82,8 +82,7 @@ class CoqPrinter(Printer):  # type: ignore[misc]  # SymPy is untyped
     def _print_Symbol(self, expr: Expr) -> str:
         return self.names[expr]
 
-    def _print_Dummy(self, expr: Expr) -> str:
-        return self.names[expr]
+    _print_Dummy = _print_Symbol
 
     def _print_Integer(self, expr: Expr) -> str:
         if expr >= 0:

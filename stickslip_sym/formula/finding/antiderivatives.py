@@ -298,13 +298,18 @@ def _sine_over_speed(polynomial: Expr, factors: Expr, u: Expr) -> Expr | None:
     return powers.nth(0) * sp.Si(sine.args[0]) + left
 
 
+def _integral_with_exponential(polynomial: Expr, rate: Expr, u: Expr) -> Expr:
+    """Return the integral of a polynomial times exp(rate u), over that."""
+    return sp.factor_terms(integrate_by_parts(polynomial, lambda j: rate**-j, u))
+
+
 def _exponential_logarithm(polynomial: Expr, exponential: Expr, logarithm: Expr, u: Expr) -> Expr | None:
     """Integrate u^n exp(-a u) log(r u + s), s > 0, by parts: what is left are exponential integrals."""
     line = coefficients(exponential.args[0], u)
     inner = coefficients(logarithm.args[0], u)
     if logarithm.is_Pow or len(line) != 2 or len(inner) != 2 or inner[1] == 0:
         return None
-    whole = sp.factor_terms(integrate_by_parts(polynomial, lambda j: line[0] ** -j, u))
+    whole = _integral_with_exponential(polynomial, line[0], u)
     left = _exponential_over_linear(whole, sp.diff(logarithm, u) * exponential, u)
     if left is None:
         return None
@@ -317,7 +322,7 @@ def _exponential_of_root(polynomial: Expr, error: Expr, exponential: Expr, u: Ex
     rate = sp.expand(error.args[0] ** 2) / u
     if error.is_Pow or len(line) != 2 or rate.has(u) or not rate.is_positive:
         return None
-    whole = sp.factor_terms(integrate_by_parts(polynomial, lambda j: line[0] ** -j, u))
+    whole = _integral_with_exponential(polynomial, line[0], u)
     rest = sp.expand(whole * exponential * sp.diff(error, u))
     return _subtract_integral(whole * exponential * error, rest, u)
 
@@ -413,7 +418,7 @@ def _exponential_erf(polynomial: Expr, erf: Expr, exponential: Expr, u: Expr) ->
     inner = coefficients(erf.args[0], u)
     if erf.is_Pow or len(line) != 2 or len(inner) != 2:
         return None
-    whole = sp.factor_terms(integrate_by_parts(polynomial, lambda j: line[0] ** -j, u))
+    whole = _integral_with_exponential(polynomial, line[0], u)
     exponent = sp.expand(exponential.args[0] - erf.args[0] ** 2)
     left = _gaussian(
         sp.expand(2 * inner[0] / sp.sqrt(sp.pi) * whole), sp.exp(exponent), coefficients(exponent, u), u
