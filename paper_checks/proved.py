@@ -19,7 +19,7 @@ _BITS = 64  # precision for a slip without damping, which is far from grazing
 _FORMULA_BITS = 200  # precision for (17), which cancels most of them at small V
 _GUESS_ERROR = 1e-10  # relative error of collocation
 _FINE = 2e-4  # relative width of an enclosure at V = 1 m/s; criteria differ by about V^2, and it does too
-_BY_DEFAULT = 10  # every tenth speed: a hundred proofs a figure take a quarter of a minute
+_BY_DEFAULT = 5  # every fifth speed: a hundred proofs a figure take a quarter of a minute
 _every = [_BY_DEFAULT]
 
 

@@ -15,14 +15,14 @@ from support.sweeps import outside_samples
 # The package is imported where it is used: the first process of a run only shares out tests.
 
 TOGETHER = {
-    "claims": ("paper_checks/", "tests/whole/test_mutations.py"),
+    "claims": ("paper_checks/", "tests/whole/test_mutations.py", "tests/whole/test_report.py"),
     "closed forms": ("tests/formula/evaluation/test_accuracy.py", "tests/formula/evaluation/test_calls.py",
                      "tests/formula/export/", "tests/model/test_catalogue.py", "tests/output/test_latex.py"),
     "printed formulas": ("tests/output/test_printers.py",),
     "powers of v": ("tests/formula/test_closed_form.py", "tests/formula/test_letters.py"),
     "measured points": ("tests/model/test_samples.py",),
-    "results": ("tests/views/test_notebook.py", "tests/whole/test_results_are_data.py",
-                "tests/formula/test_views.py"),
+    "results": ("tests/views/test_notebook.py", "tests/views/test_figures.py", "tests/output/test_data.py",
+                "tests/whole/test_results_are_data.py"),
 }  # fmt: skip
 """Tests that share orbits and proofs, closed forms, or draws: one process makes them, once."""
 
