@@ -9,7 +9,8 @@ import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.arguments import points
 from stickslip_sym.cli.options import Given, file_option, option
-from stickslip_sym.cli.output import Json, echo_all, show_progress
+from stickslip_sym.cli.output import echo_all, show_progress
+from stickslip_sym.core.aliases import Json
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.files import write_text
 

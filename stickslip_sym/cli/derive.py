@@ -11,7 +11,8 @@ import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.arguments import criteria_of, point
 from stickslip_sym.cli.options import Given, option
-from stickslip_sym.cli.output import Json, echo_all, show_progress
+from stickslip_sym.cli.output import echo_all, show_progress
+from stickslip_sym.core.aliases import Json
 from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.core.progress import steps
 

@@ -16,10 +16,11 @@ import json
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
+from stickslip_sym.core.aliases import Json
 from stickslip_sym.core.progress import StepOfWork, report_every_step_to
 from stickslip_sym.core.version import __version__
 
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from stickslip_sym.cli.arguments import Point
     from stickslip_sym.cli.options import Given
 
-Json = dict[str, Any]
 """What stands for an object of JSON."""
 
 PRINTED = "stickslip_sym: an object of JSON"

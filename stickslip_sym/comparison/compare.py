@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import numpy as np
 
+from stickslip_sym.core.aliases import Json
 from stickslip_sym.core.deadline import check_time, require_seconds
 from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.core.names import lookup
@@ -128,7 +129,7 @@ def measured(
         return Row(method, setting=setting, seconds=process_time() - begin, reason=str(error))
 
 
-def threshold_row(threshold: Threshold[float]) -> dict[str, Any]:
+def threshold_row(threshold: Threshold[float]) -> Json:
     """Return what stands in a row of a threshold."""
     values = {name: getattr(threshold, name) for name in ("value", "relative_error", "status")}
     return values | {"threshold": threshold}

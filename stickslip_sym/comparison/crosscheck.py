@@ -4,13 +4,12 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import mpmath
 import numpy as np
 
 from stickslip_sym.comparison.compare import Comparison, measured
-from stickslip_sym.core.aliases import Mpf
+from stickslip_sym.core.aliases import Json, Mpf
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.core.numbers import Number, exact
 from stickslip_sym.core.precision import mp
@@ -60,7 +59,7 @@ def crosscheck(
     error = scatter(law, criterion, numbers["V"], numbers["N"])
     values = list[Mpf | float]()
 
-    def judge(value: Mpf | float) -> dict[str, Any]:
+    def judge(value: Mpf | float) -> Json:
         values.append(value)
         shown = digits if isinstance(value, mpmath.mpf) else _THRESHOLD_DIGITS
         with mp.workdps(digits):
@@ -133,7 +132,8 @@ def scatter(law: FrictionLaw, criterion: Criterion, V: float, N: float) -> float
         points += [(end, exact(law.mu(float(end)), "mu"))]
     if len(points) < _FEWEST_POINTS:
         return 0.0
-    values, whole = [], law.kinetic.table  # between whose places all curves are smooth
+    values = []
+    whole = law.kinetic.table  # between whose places all curves are smooth
     for i in range(1, len(points) - 1):
         v, mu = zip(*points[:i], *points[i + 1 :], strict=True)
         slope = SampledCurve.through(v, mu, extrapolate=end is None).function("numpy", derivative=True)

@@ -18,7 +18,7 @@ from flint import arb
 
 from stickslip_sym.comparison.compare import Comparison, Row, measured, threshold_row
 from stickslip_sym.core import deadline, symbols
-from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.aliases import FloatArray, Json
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.names import lookup
@@ -237,7 +237,7 @@ def _measure_criterion(law: FrictionLaw, criterion: Criterion, point: Mapping[st
     if right == 0:
         raise InputError("the criterion is 0 at this operating point: nothing has a relative error")
 
-    def judge(result: Any) -> dict[str, Any]:
+    def judge(result: Any) -> Json:
         with mp.workdps(_REFERENCE_DIGITS):
             value = mp.mpf(result if isinstance(result, mpmath.mpf) else float(np.ravel(result)[0]))
             exact_value = mp.mpf(right)
@@ -324,7 +324,7 @@ def _threshold(law: FrictionLaw, point: Mapping[str, float]) -> Trade:
             return threshold.relative_error
         return abs(threshold.value / reference - 1)
 
-    def judge(threshold: Threshold[float]) -> dict[str, Any]:
+    def judge(threshold: Threshold[float]) -> Json:
         try:
             errors = [error(by(threshold.method, V), there) for V, there in references.items() if there > 0]
         except (OutOfTime, NotConverged, NoThreshold):
@@ -332,7 +332,7 @@ def _threshold(law: FrictionLaw, point: Mapping[str, float]) -> Trade:
         further = {_LARGEST: max(errors)} if errors else {}
         return threshold_row(threshold) | {"relative_error": error(threshold, right), "further": further}
 
-    def judge_number(value: float) -> dict[str, Any]:
+    def judge_number(value: float) -> Json:
         return {"value": value, "relative_error": abs(value / right - 1), "status": Status.ESTIMATED}
 
     osc = Oscillator(**point)
@@ -380,7 +380,7 @@ def _basin(law: FrictionLaw, point: Mapping[str, float], c: float | None) -> Tra
             decisions.append(decide(x, v))
         return decisions
 
-    def judge(decided: list[bool]) -> dict[str, Any]:
+    def judge(decided: list[bool]) -> Json:
         share = float(np.mean(decided))
         spread = math.sqrt(right.value * (1 - right.value) / len(decided))
         # The sample's own error is that of its size, and the share that is wrong of these very initial conditions.

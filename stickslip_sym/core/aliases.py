@@ -36,6 +36,8 @@ ExprOrCondition = TypeVar("ExprOrCondition", Expr, Condition)
 """Of a function that gives one for one, and the other for the other."""
 Substitution: TypeAlias = Mapping[Expr, Expr]
 """What stands in place of each symbol."""
+Json: TypeAlias = dict[str, Any]
+"""What an object of JSON holds, by name."""
 Notation: TypeAlias = Mapping[str, str]
 """The LaTeX of each name."""
 Span: TypeAlias = tuple[float, float]

@@ -4,11 +4,11 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import asdict
-from typing import Any
 
 import numpy as np
 from uncertainties import UFloat, correlated_values_norm, correlation_matrix
 
+from stickslip_sym.core.aliases import Json
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import exact, require_type
 from stickslip_sym.model.expression.parameters import Parameter
@@ -35,7 +35,7 @@ def law_out(law: FrictionLaw) -> dict[str, object]:
     return content | {"places": [str(place) for place in law.curve.places], "cubics": cubics, "end": end}
 
 
-def law_in(content: dict[str, Any]) -> FrictionLaw:
+def law_in(content: Json) -> FrictionLaw:
     """Return the law that `law_out` wrote; other content is refused by one error of Python or another."""
     about = {key: content[key] for key in _ABOUT}
     static = content["static"]
@@ -66,7 +66,7 @@ def _errors_out(uncertain: Mapping[str, UFloat]) -> dict[str, object]:
     }
 
 
-def _errors_in(content: dict[str, Any], law: FrictionLaw) -> dict[str, UFloat]:
+def _errors_in(content: Json, law: FrictionLaw) -> dict[str, UFloat]:
     """Return the values of a law that carry a standard error, correlated as they were."""
     pairs = {name: (float(law.values[name]), float(error)) for name, error in content["standard"].items()}
     correlation = np.array(content["correlation"], dtype=np.float64)

@@ -11,6 +11,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from stickslip_sym.core.aliases import Json
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import require_type
 from stickslip_sym.model.law import FrictionLaw
@@ -122,12 +123,12 @@ def _read_json(path: Path, name: str) -> object:
         raise InputError(f"{name} is no JSON text: {str(error)[:80]}") from None
 
 
-def _digest(content: dict[str, Any]) -> str:
+def _digest(content: Json) -> str:
     """Return a digest of everything but itself."""
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
-def _law_in(item: dict[str, Any]) -> FrictionLaw:
+def _law_in(item: Json) -> FrictionLaw:
     if item["kind"] != "law":
         raise InputError(f"a {item['kind']}: laws alone are kept in files, and the rest is made from them again")
     return law_in(item["law"])

@@ -3,11 +3,11 @@
 from collections import UserDict
 from collections.abc import Callable
 from functools import partial
-from typing import Any, Self
+from typing import Self
 
 import sympy as sp
 
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, Json
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.names import lookup, suggestion
 from stickslip_sym.model.catalogue import ENTRIES, PARAMETERS, LawEntry
@@ -23,7 +23,7 @@ __all__ = ["Catalogue", "as_law", "laws"]
 class Catalogue(Shown, UserDict[str, FrictionLaw]):
     """Friction laws by name, also as attributes; each is read when it is first asked for."""
 
-    data: dict[str, Any]
+    data: Json
 
     def __getitem__(self, name: str) -> FrictionLaw:
         entry: FrictionLaw | Callable[[], FrictionLaw] = self.data[name]

@@ -4,6 +4,7 @@ from abc import abstractmethod
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from stickslip_sym.core.aliases import Json
 from stickslip_sym.core.equality import say_the_same
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.remedies import Call
@@ -26,7 +27,7 @@ class DataResult:
         elif cls.__eq__ in (object.__eq__, say_the_same):
             cls.__eq__ = say_the_same  # type: ignore[method-assign]  # which a dataclass keeps
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Json:
         """Return what the result says, as ``--json`` prints it.
 
         Returns

@@ -133,7 +133,8 @@ def simulate(
             return _many(law, osc, *read_initial_conditions(x0, speeds), t_end, rtol, max_steps, workers)
         if many:
             raise InputError("method 'solve_ivp' takes one initial condition; simulate them one by one")
-        x, v = real("x0", x0), real("v0", speeds)  # type: ignore[arg-type]
+        x = real("x0", x0)  # type: ignore[arg-type]
+        v = real("v0", speeds)  # type: ignore[arg-type]
         if method == "solve_ivp":
             return simulate_by_solve_ivp(law, osc, x, v, t_end, rtol)
         return _one(law, osc, x, v, t_end, rtol, max_steps)

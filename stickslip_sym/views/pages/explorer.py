@@ -15,7 +15,7 @@ import sympy as sp
 from uncertainties import UFloat, covariance_matrix
 
 from stickslip_sym.core import deadline, symbols
-from stickslip_sym.core.aliases import Expr
+from stickslip_sym.core.aliases import Expr, Json
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import row
 from stickslip_sym.core.numbers import SAME
@@ -145,7 +145,7 @@ def _writable(average: TermSum) -> TermSum:
     return average
 
 
-def _slider(name: str, value: float, unit: str | None, meaning: str, sign: str) -> dict[str, Any]:
+def _slider(name: str, value: float, unit: str | None, meaning: str, sign: str) -> Json:
     """Return a slider that is logarithmic about a positive value, and else linear."""
     low, high = (value / _RANGE, value * _RANGE) if value > 0 else (value - 1.0, value + 1.0)
     if sign and value == 0:
@@ -162,12 +162,12 @@ def _slider(name: str, value: float, unit: str | None, meaning: str, sign: str) 
     }
 
 
-def _slider_of_quantity(name: str, value: float) -> dict[str, Any]:
+def _slider_of_quantity(name: str, value: float) -> Json:
     quantity = symbols.QUANTITIES[name]
     return _slider(name, value, quantity.unit, quantity.meaning, _SIGNS[name])
 
 
-def _slider_of_parameter(parameter: Parameter, value: float) -> dict[str, Any]:
+def _slider_of_parameter(parameter: Parameter, value: float) -> Json:
     sign = "nonnegative" if parameter.positive else ""
     return _slider(parameter.name, value, parameter.unit, parameter.meaning, sign)
 
