@@ -340,7 +340,7 @@ def test_second_order_without_time_is_named(monkeypatch):
 
     whole = studied(0)
     monkeypatch.setattr(Threshold, "nonlinearity", property(late))
-    monkeypatch.setattr("stickslip_sym.comparison.study.margins", lambda *_, **__: whole.margins)
+    monkeypatch.setattr("stickslip_sym.comparison.study.margins_of", lambda *_, **__: whole.margins)
     law, osc, errors = point(0)
     study = ss.study(law, osc, errors=errors, time_limit=300)
     why = "The second order of its standard error could not be computed: the time limit was reached."
