@@ -24,8 +24,10 @@ _PARTS_OF_INTERVAL = 8  # of an interval of the table, on each of which a slope 
 @compilable
 def creeps(rise: Rise, field: Field, q: float, w: float) -> bool:
     """Whether a state is shown to tend to rest; False says nothing."""
-    low, high = min(w, 1.0), max(w, 1.0)
-    x, at_rest = w - 1.0, field.eta * standing(rise.pieces, w > 1.0)
+    low = min(w, 1.0)
+    high = max(w, 1.0)
+    x = w - 1.0
+    at_rest = field.eta * standing(rise.pieces, w > 1.0)
     displacement = q + field.push - field.damping - at_rest
     if displacement * x <= 0.0 or high > rise.levels[-1] or _is_jump_between(rise, low, high):
         return False
@@ -64,16 +66,21 @@ def slope_bounds(rise: Rise, low: float, high: float) -> tuple[float, float]:
     """
     pieces = rise.pieces
     last = len(pieces) - 1
-    least, most = math.inf, -math.inf
+    least = math.inf
+    most = -math.inf
     for i in range(last + 1):
-        begin, end = max(pieces[i][0], low), high
+        begin = max(pieces[i][0], low)
+        end = high
         if i < last:
             end = min(pieces[i + 1][0], high)
         if begin >= end:
             continue
-        _, origin, scale = pieces[i][0], pieces[i][1], pieces[i][2]
+        _ = pieces[i][0]
+        origin = pieces[i][1]
+        scale = pieces[i][2]
         reach = max(abs(begin - origin), abs(end - origin)) * scale
-        bend, power = 0.0, 1.0
+        bend = 0.0
+        power = 1.0
         for k in range(2, 15):
             bend += k * (k - 1) * abs(pieces[i][3 + k]) * power
             power *= reach
@@ -81,5 +88,6 @@ def slope_bounds(rise: Rise, low: float, high: float) -> tuple[float, float]:
         off = bend * scale * scale * half
         for j in range(_PARTS_OF_INTERVAL):
             slope = slope_at(Branch(pieces, i, i, i), begin + (2 * j + 1) * half)
-            least, most = min(least, slope - off), max(most, slope + off)
+            least = min(least, slope - off)
+            most = max(most, slope + off)
     return least, most

@@ -22,7 +22,9 @@ def land(
 
     - `border`: of the segment of the law, a level as `level` is.
     """
-    event, w, ahead = SlipEnd.OPEN, state.w, 1.0 if rising else -1.0
+    event = SlipEnd.OPEN
+    w = state.w
+    ahead = 1.0 if rising else -1.0
     # Where w' changes its sign there is an extremum if w'' = side - w has the sign for it; else it is rounding,
     # or the error of an implicit step.
     slowest = rtol ** (2.0 / 3.0) * max(1.0, abs(state.rate)) if implicit else 0.0
@@ -51,25 +53,34 @@ def _located(
     - `beyond`: a step that ends after it.
     - `sign`: of w - level, or of w', before.
     """
-    turns, h = math.isnan(level), beyond.length
+    turns = math.isnan(level)
+    h = beyond.length
     # Newton's method in a bracket, from where the inverse of the value is 0, as a cubic through both ends.
-    begin, end, by, by_end = state.w - level, beyond.w - level, state.rate, beyond.rate
+    begin = state.w - level
+    end = beyond.w - level
+    by = state.rate
+    by_end = beyond.rate
     if turns:
-        begin, by = by, bend_at(branch, field, state.w, state.rate)
-        end, by_end = by_end, bend_at(branch, field, beyond.w, beyond.rate)
+        begin = by
+        by = bend_at(branch, field, state.w, state.rate)
+        end = by_end
+        by_end = bend_at(branch, field, beyond.w, beyond.rate)
     part = begin / (begin - end) if begin * end < 0.0 else 0.5
     length = h * part
     if by * by_end > 0.0:
         length *= part * (3.0 - 2.0 * part)
         length += (end - begin) * part * (1.0 - part) * ((1.0 - part) / by - part / by_end)
-    low, high, close = 0.0, h, _SHARE_OF_SERIES_STEP * h * rtol ** (1.0 / 3.0)
+    low = 0.0
+    high = h
+    close = _SHARE_OF_SERIES_STEP * h * rtol ** (1.0 / 3.0)
     guesses = 0
     while True:
         guesses += 1
         if guesses > _GUESSES or not low < length < high:  # where mu is steep Newton's method may creep
             length = 0.5 * (low + high)
         trial = stepped(implicit, branch, field, state, length, rtol, wedge)
-        value, bend = trial.rate if turns else trial.w - level, bend_at(branch, field, trial.w, trial.rate)
+        value = trial.rate if turns else trial.w - level
+        bend = bend_at(branch, field, trial.w, trial.rate)
         if value * sign > 0.0:
             low = length
         else:

@@ -57,8 +57,15 @@ def follow(
     """
     steps = [SlipStep(0.0, 0.0, 0.0, 0.0, 0.0, 0, False)]
     steps.pop()
-    q, u, farthest = begin.q, begin.side * begin.w, rise.levels[-1]
-    taken, passed, q_least, q_most, u_least, u_most = 0, 0, q, q, u, u
+    q = begin.q
+    u = begin.side * begin.w
+    farthest = rise.levels[-1]
+    taken = 0
+    passed = 0
+    q_least = q
+    q_most = q
+    u_least = u
+    u_most = u
     if not (begin.w <= farthest and abs(q) < math.inf):
         return Run(SlipEnd.OUTSIDE, begin, Extent(taken, passed, q, q, u, u), steps)
     segment, rising, state = _begun(rise, field, begin)
@@ -75,7 +82,9 @@ def follow(
             if slide > -1.0:
                 if recorded:
                     steps.append(SlipStep(before.tau, before.q, before.w, 0.0, slide, -1, False))
-                taken, q_least, q_most = taken + 1, min(q_least, state.q), max(q_most, state.q)
+                taken = taken + 1
+                q_least = min(q_least, state.q)
+                q_most = max(q_most, state.q)
             if end != SlipEnd.OPEN:
                 break
             branch = entered(rise, segment, rising, state.w)
@@ -104,9 +113,12 @@ def follow(
         is_over = event == SlipEnd.OPEN and pace.tried == stop.horizon - state.tau
         tau = stop.horizon if is_over else state.tau + trial.length
         state = SlipState(tau, trial.q, trial.w, field.side, trial.rate, trial.wedge)
-        taken, u = taken + 1, field.side * trial.w
-        q_least, q_most = min(q_least, trial.q), max(q_most, trial.q)
-        u_least, u_most = min(u_least, u), max(u_most, u)
+        taken = taken + 1
+        u = field.side * trial.w
+        q_least = min(q_least, trial.q)
+        q_most = max(q_most, trial.q)
+        u_least = min(u_least, u)
+        u_most = max(u_most, u)
         near = interval_number(branch.pieces, branch.first, branch.last, branch.near, trial.w)
         if near != branch.near:
             branch = Branch(branch.pieces, branch.first, branch.last, near)
@@ -117,7 +129,8 @@ def follow(
         if ends_at == SlipEnd.REST:
             end = SlipEnd.REST
         elif ends_at == SlipEnd.LEVEL:
-            at_kink, state = True, _place_on_jump(rise, field, state, rising, wedge)
+            at_kink = True
+            state = _place_on_jump(rise, field, state, rising, wedge)
             if stop.until == SlipEnd.LEVEL and stop.level == 1.0:
                 end = SlipEnd.LEVEL
         elif event == SlipEnd.LEVEL:
@@ -126,13 +139,15 @@ def follow(
                 end = SlipEnd.RETURN
             elif state.w == 0.0:
                 field, state = _cross(branch, field, hold, state)
-                passed, rising = passed + 1, True
+                passed = passed + 1
+                rising = True
             elif state.w == farthest:
                 end = SlipEnd.OUTSIDE
             elif stop.until == SlipEnd.LEVEL and state.w == stop.level:
                 end = SlipEnd.LEVEL
         elif event != SlipEnd.OPEN:
-            rising, state = not rising, _add_rate(state, 0.0)
+            rising = not rising
+            state = _add_rate(state, 0.0)
             end = event if stop.until == event else SlipEnd.OPEN
     return Run(end, state, Extent(taken, passed, q_least, q_most, u_least, u_most), steps)
 
@@ -140,7 +155,8 @@ def follow(
 @compilable
 def _begun(rise: Rise, field: Field, begin: SlipState) -> tuple[int, bool, SlipState]:
     """Return the segment of the law in which a slip begins, whether w rises there, and the state with its rate."""
-    w, segment = begin.w, 0
+    w = begin.w
+    segment = 0
     while segment + 2 < len(rise.levels) and w >= rise.levels[segment + 1]:
         segment += 1
     branch = entered(rise, segment, True, w)
@@ -186,7 +202,9 @@ def _advance(
         decay = field.eta * slope_at(branch, state.w) + field.damping
         # A third, so that the method does not change to and fro.
         if implicit and decay <= _STIFF_DECAY / 3.0:
-            implicit, held, length = False, 0, rtol**0.125 / max(1.0, abs(state.rate))
+            implicit = False
+            held = 0
+            length = rtol**0.125 / max(1.0, abs(state.rate))
         elif not implicit:
             held = held + 1 if decay > _STIFF_DECAY and decay * tried > _STABLE else 0
             implicit = held >= _STEPS_HELD_SHORT
@@ -200,7 +218,8 @@ def _advance(
         length = h * max(0.2, 0.9 * error**-0.125 if error < math.inf else 0.0)
     else:
         # The longest step that the tolerance bears, which may go on falling as it fell in this one.
-        before, bearable = bearable, h * max(error, _NO_ERROR) ** -0.125
+        before = bearable
+        bearable = h * max(error, _NO_ERROR) ** -0.125
         length = 0.85 * bearable * min(1.0, bearable / before)
     return trial, Pace(implicit, held, length, h, bearable, again)
 
@@ -232,25 +251,29 @@ def _enter(
     beyond = segment + 1 if rising else segment - 1
     upper = max(segment, beyond)
     across = rate_at(entered(rise, beyond, rising, state.w), field, state.q, state.w)
-    end, slide = SlipEnd.OPEN, -1.0
+    end = SlipEnd.OPEN
+    slide = -1.0
     if (across >= 0.0) == rising or rise.jumps[upper] == 0.0:
         segment = beyond
         if wedge.wanted and rise.jumps[upper] != 0.0:
             state = _cross_jump_of_law(field, state, across, wedge.shifts[upper])
     elif field.side * state.w == 1.0:
-        end, state = SlipEnd.REST, _add_rate(state, 0.0)
+        end = SlipEnd.REST
+        state = _add_rate(state, 0.0)
     else:
         turn, segment, rising, slide = _slide(rise, field, state, upper, rising, stop.horizon)
         state = _slid(field, state, slide, wedge.shifts[upper])
         if turn == stop.until:
-            end, state = turn, _add_rate(state, 0.0)
+            end = turn
+            state = _add_rate(state, 0.0)
     return end, segment, rising, state, slide
 
 
 @compilable
 def _cross_jump_of_law(field: Field, state: SlipState, across: float, shift: float) -> SlipState:
     """Return the state beyond a jump of mu, where w' is `across`; `shift` is that of the jump with p."""
-    moved, D = shift * (1.0 - field.side * state.w), state.wedge
+    moved = shift * (1.0 - field.side * state.w)
+    D = state.wedge
     if state.rate != 0.0:
         D = moved + (D - moved) * across / state.rate
     return SlipState(state.tau, state.q, state.w, state.side, state.rate, D)
@@ -302,16 +325,21 @@ def _is_beside_rest(rise: Rise, field: Field, state: SlipState, rising: bool, rt
     jumps there and exponents are not real, it comes to w = 1 in less than half a swing, however near: `LEVEL`.
     """
     eta, push, side, damping = field
-    q, w, pieces = state.q, state.w, rise.pieces
+    q = state.q
+    w = state.w
+    pieces = rise.pieces
     if side < 0.0 or rise.levels[-1] <= 1.0 + _REST_WIDTH:
         return SlipEnd.OPEN
-    above, below = eta * standing(pieces, True), eta * standing(pieces, False)
+    above = eta * standing(pieces, True)
+    below = eta * standing(pieces, False)
     faster = eta * slope_standing(pieces, True) + damping
     slower = eta * slope_standing(pieces, False) + damping
     is_slower = w < 1.0 or (w == 1.0 and rising)
-    decay, lifted = faster, above
+    decay = faster
+    lifted = above
     if is_slower:
-        decay, lifted = slower, below
+        decay = slower
+        lifted = below
     rest = damping - push + lifted
     fastest = max(abs(faster), abs(slower))
     noise = ULP * max(max(abs(push), abs(lifted)), max(abs(rest), abs(damping)))

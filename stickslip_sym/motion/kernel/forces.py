@@ -29,7 +29,8 @@ def interval_number(pieces: Any, first: int, last: int, near: int, w: float) -> 
 @compilable
 def entered(rise: Rise, segment: int, rising: bool, w: float) -> Branch:
     """Return the law on a segment that is entered at w, from below if w rises."""
-    first, last = rise.firsts[segment], rise.firsts[segment + 1] - 1
+    first = rise.firsts[segment]
+    last = rise.firsts[segment + 1] - 1
     return Branch(
         rise.pieces, first, last, interval_number(rise.pieces, first, last, first if rising else last, w)
     )

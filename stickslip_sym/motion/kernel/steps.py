@@ -42,45 +42,66 @@ def stepped(
 @compilable
 def _explicit(branch: Branch, field: Field, state: SlipState, h: float, rtol: float, wedge: Wedge) -> Trial:
     """Try a step of DOP853."""
-    side, q, w, r1 = field.side, state.q, state.w, state.rate
+    side = field.side
+    q = state.q
+    w = state.w
+    r1 = state.rate
     p1 = 1.0 - side * w
-    q2, w2 = q + h * (_A21 * p1), w + h * (_A21 * r1)
-    p2, r2 = 1.0 - side * w2, rate_at(branch, field, q2, w2)
-    q3, w3 = q + h * (_A31 * p1 + _A32 * p2), w + h * (_A31 * r1 + _A32 * r2)
-    p3, r3 = 1.0 - side * w3, rate_at(branch, field, q3, w3)
-    q4, w4 = q + h * (_A41 * p1 + _A43 * p3), w + h * (_A41 * r1 + _A43 * r3)
-    p4, r4 = 1.0 - side * w4, rate_at(branch, field, q4, w4)
+    q2 = q + h * (_A21 * p1)
+    w2 = w + h * (_A21 * r1)
+    p2 = 1.0 - side * w2
+    r2 = rate_at(branch, field, q2, w2)
+    q3 = q + h * (_A31 * p1 + _A32 * p2)
+    w3 = w + h * (_A31 * r1 + _A32 * r2)
+    p3 = 1.0 - side * w3
+    r3 = rate_at(branch, field, q3, w3)
+    q4 = q + h * (_A41 * p1 + _A43 * p3)
+    w4 = w + h * (_A41 * r1 + _A43 * r3)
+    p4 = 1.0 - side * w4
+    r4 = rate_at(branch, field, q4, w4)
     q5 = q + h * (_A51 * p1 + _A53 * p3 + _A54 * p4)
     w5 = w + h * (_A51 * r1 + _A53 * r3 + _A54 * r4)
-    p5, r5 = 1.0 - side * w5, rate_at(branch, field, q5, w5)
+    p5 = 1.0 - side * w5
+    r5 = rate_at(branch, field, q5, w5)
     q6 = q + h * (_A61 * p1 + _A64 * p4 + _A65 * p5)
     w6 = w + h * (_A61 * r1 + _A64 * r4 + _A65 * r5)
-    p6, r6 = 1.0 - side * w6, rate_at(branch, field, q6, w6)
+    p6 = 1.0 - side * w6
+    r6 = rate_at(branch, field, q6, w6)
     q7 = q + h * (_A71 * p1 + _A74 * p4 + _A75 * p5 + _A76 * p6)
     w7 = w + h * (_A71 * r1 + _A74 * r4 + _A75 * r5 + _A76 * r6)
-    p7, r7 = 1.0 - side * w7, rate_at(branch, field, q7, w7)
+    p7 = 1.0 - side * w7
+    r7 = rate_at(branch, field, q7, w7)
     q8 = q + h * (_A81 * p1 + _A84 * p4 + _A85 * p5 + _A86 * p6 + _A87 * p7)
     w8 = w + h * (_A81 * r1 + _A84 * r4 + _A85 * r5 + _A86 * r6 + _A87 * r7)
-    p8, r8 = 1.0 - side * w8, rate_at(branch, field, q8, w8)
+    p8 = 1.0 - side * w8
+    r8 = rate_at(branch, field, q8, w8)
     q9 = q + h * (_A91 * p1 + _A94 * p4 + _A95 * p5 + _A96 * p6 + _A97 * p7 + _A98 * p8)
     w9 = w + h * (_A91 * r1 + _A94 * r4 + _A95 * r5 + _A96 * r6 + _A97 * r7 + _A98 * r8)
-    p9, r9 = 1.0 - side * w9, rate_at(branch, field, q9, w9)
+    p9 = 1.0 - side * w9
+    r9 = rate_at(branch, field, q9, w9)
     q10 = q + h * (_A101 * p1 + _A104 * p4 + _A105 * p5 + _A106 * p6 + _A107 * p7 + _A108 * p8 + _A109 * p9)
     w10 = w + h * (_A101 * r1 + _A104 * r4 + _A105 * r5 + _A106 * r6 + _A107 * r7 + _A108 * r8 + _A109 * r9)
-    p10, r10 = 1.0 - side * w10, rate_at(branch, field, q10, w10)
+    p10 = 1.0 - side * w10
+    r10 = rate_at(branch, field, q10, w10)
     p = _A111 * p1 + _A114 * p4 + _A115 * p5 + _A116 * p6 + _A117 * p7 + _A118 * p8 + _A119 * p9 + _A1110 * p10
     r = _A111 * r1 + _A114 * r4 + _A115 * r5 + _A116 * r6 + _A117 * r7 + _A118 * r8 + _A119 * r9 + _A1110 * r10
-    q11, w11 = q + h * p, w + h * r
-    p11, r11 = 1.0 - side * w11, rate_at(branch, field, q11, w11)
+    q11 = q + h * p
+    w11 = w + h * r
+    p11 = 1.0 - side * w11
+    r11 = rate_at(branch, field, q11, w11)
     p = _A121 * p1 + _A124 * p4 + _A125 * p5 + _A126 * p6 + _A127 * p7 + _A128 * p8 + _A129 * p9
     r = _A121 * r1 + _A124 * r4 + _A125 * r5 + _A126 * r6 + _A127 * r7 + _A128 * r8 + _A129 * r9
-    q12, w12 = q + h * (p + _A1210 * p10 + _A1211 * p11), w + h * (r + _A1210 * r10 + _A1211 * r11)
-    p12, r12 = 1.0 - side * w12, rate_at(branch, field, q12, w12)
+    q12 = q + h * (p + _A1210 * p10 + _A1211 * p11)
+    w12 = w + h * (r + _A1210 * r10 + _A1211 * r11)
+    p12 = 1.0 - side * w12
+    r12 = rate_at(branch, field, q12, w12)
     p = _B1 * p1 + _B6 * p6 + _B7 * p7 + _B8 * p8 + _B9 * p9 + _B10 * p10 + _B11 * p11 + _B12 * p12
     r = _B1 * r1 + _B6 * r6 + _B7 * r7 + _B8 * r8 + _B9 * r9 + _B10 * r10 + _B11 * r11 + _B12 * r12
-    q_end, w_end = q + h * p, w + h * r
+    q_end = q + h * p
+    w_end = w + h * r
 
-    scale_q, scale_w = rtol * (_SMALL + max(abs(q), abs(q_end))), rtol * (_SMALL + max(abs(w), abs(w_end)))
+    scale_q = rtol * (_SMALL + max(abs(q), abs(q_end)))
+    scale_w = rtol * (_SMALL + max(abs(w), abs(w_end)))
     p = _E1 * p1 + _E6 * p6 + _E7 * p7 + _E8 * p8 + _E9 * p9 + _E10 * p10 + _E11 * p11 + _E12 * p12
     r = _E1 * r1 + _E6 * r6 + _E7 * r7 + _E8 * r8 + _E9 * r9 + _E10 * r10 + _E11 * r11 + _E12 * r12
     fifth = (p / scale_q) * (p / scale_q) + (r / scale_w) * (r / scale_w)
@@ -109,21 +130,28 @@ def _explicit(branch: Branch, field: Field, state: SlipState, h: float, rtol: fl
 def _implicit(branch: Branch, field: Field, state: SlipState, h: float, rtol: float, wedge: Wedge) -> Trial:
     """Try a step of the extrapolated linearly implicit Euler method."""
     eta, push, side, damping = field
-    q, w = state.q, state.w
+    q = state.q
+    w = state.w
     decay = eta * slope_at(branch, w) + damping
-    of_q, of_w, of_D = [0.0] * _EXTRAPOLATION_ROWS, [0.0] * _EXTRAPOLATION_ROWS, [0.0] * _EXTRAPOLATION_ROWS
+    of_q = [0.0] * _EXTRAPOLATION_ROWS
+    of_w = [0.0] * _EXTRAPOLATION_ROWS
+    of_D = [0.0] * _EXTRAPOLATION_ROWS
     error = 0.0
     # No step is more accurate than the rounding of w', which the decay divides and the extrapolation multiplies.
     rounding = AMPLIFIED * ULP
     terms = max(max(abs(push), abs(eta * rise_at(branch, w))), max(abs(q), abs(damping * w)))
-    least_q, least_w = rounding * abs(q), rounding * (terms / max(abs(decay), 1.0) + abs(w))
+    least_q = rounding * abs(q)
+    least_w = rounding * (terms / max(abs(decay), 1.0) + abs(w))
     for row in range(_EXTRAPOLATION_ROWS):
         s = h / (row + 1)
         # (1 - s J) (dq, dw) = s (q', w') with J = ((0, -side), (side, -decay))
         determinant = 1.0 + s * decay + s * s
-        x, y, z = q, w, state.wedge
+        x = q
+        y = w
+        z = state.wedge
         for _ in range(row + 1):
-            dq, dw = s * (1.0 - side * y), s * rate_at(branch, field, x, y)
+            dq = s * (1.0 - side * y)
+            dw = s * rate_at(branch, field, x, y)
             x += ((1.0 + s * decay) * dq - s * side * dw) / determinant
             y += (dw + s * side * dq) / determinant
             if wedge.wanted:
@@ -132,16 +160,16 @@ def _implicit(branch: Branch, field: Field, state: SlipState, h: float, rtol: fl
         for k in range(row):
             # Neville's scheme, from the row before to this one; x, y and z hold the column that is known.
             ratio = (row + 1.0) / (row - k) - 1.0
-            next_q, next_w, next_D = (
-                x + (x - of_q[k]) / ratio,
-                y + (y - of_w[k]) / ratio,
-                z + (z - of_D[k]) / ratio,
-            )
+            next_q = x + (x - of_q[k]) / ratio
+            next_w = y + (y - of_w[k]) / ratio
+            next_D = z + (z - of_D[k]) / ratio
             of_q[k], of_w[k], of_D[k] = x, y, z
             if k == row - 1:
                 off_q = (next_q - x) / (least_q + rtol * (_SMALL + max(abs(q), abs(next_q))))
                 off_w = (next_w - y) / (least_w + rtol * (_SMALL + max(abs(w), abs(next_w))))
                 error = math.sqrt(0.5 * (off_q * off_q + off_w * off_w))
-            x, y, z = next_q, next_w, next_D
+            x = next_q
+            y = next_w
+            z = next_D
         of_q[row], of_w[row], of_D[row] = x, y, z
     return Trial(h, x, y, rate_at(branch, field, x, y), z, error)

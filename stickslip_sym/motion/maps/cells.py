@@ -28,7 +28,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.kernel.slip_data import ADDED, SlipEnd
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.orbits.damping import NEAREST, needed_damping, resolve_together
+from stickslip_sym.motion.orbits.damping import NEAREST, needed_damping_at, resolve_together
 from stickslip_sym.motion.orbits.needed import SIGNS, SearchEnd, search_damping_ratios
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
@@ -269,7 +269,7 @@ class _Decider:
         cycle[:] = (growth != 0) & ((growth > 0) != grows_at_rest)
         stable[:] = cycle & grows_at_rest
         groups = self._alike(np.flatnonzero(growth == 0))
-        needs = [needed_damping(self.law, self._oscillator(self.system.V, int(rows[0]))) for rows in groups]
+        needs = [needed_damping_at(self.table, float(self.eta[rows[0]]), self.system.V) for rows in groups]
         try:
             with time_limit(self.seconds):
                 resolve_together(needs)

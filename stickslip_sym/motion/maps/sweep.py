@@ -38,7 +38,7 @@ from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.damping import needed_damping
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.regimes.regime import Regime, kept_regime
-from stickslip_sym.numerics.known import Column
+from stickslip_sym.numerics.known import Column, Unknown
 from stickslip_sym.numerics.resolved import NO_VALUE, NODES, Piece, Resolved, Turn, fit_polynomial, nodes
 from stickslip_sym.numerics.subdivide import Accept, joined
 from stickslip_sym.output.data import DataResult
@@ -218,20 +218,21 @@ def _folds(
         need = needed_damping(at(low).law, at(low).oscillator)
         unit = at(low).oscillator.impedance
         folds = [Change("fold", turn.value * unit, turn.error * unit) for turn in need.turns[1:-1]]
-        missed = [(low, high)] if need.resolved.open else []
+        missed = [(low, high)] if need.resolved.open or not need.covers_all_amplitudes else []
         return [fold for fold in folds if low <= fold.value <= high], missed
 
     @cache
-    def excess(value: float) -> list[Turn]:
-        """Return the extrema of the needed damping minus what there is, with both ends; none if unknown."""
+    def excess(value: float) -> list[Turn] | Unknown:
+        """Return the extrema of the needed damping minus what there is, with both ends."""
         try:
             osc = at(value).oscillator
             need = needed_damping(at(value).law, osc)
-            known = not need.resolved.open
-        except NO_RESULT:
-            return []
+            if need.resolved.open or not need.covers_all_amplitudes:
+                return NO_VALUE
+        except NO_RESULT as error:
+            return Unknown(*error.args)
         unit = osc.impedance
-        return [Turn(turn.x, turn.value * unit - osc.c, turn.error * unit) for turn in need.turns * known]
+        return [Turn(turn.x, turn.value * unit - osc.c, turn.error * unit) for turn in need.turns]
 
     folds = list[Change]()
     unresolved = list[tuple[float, float]]()
@@ -241,25 +242,29 @@ def _folds(
         first, last = ranges.pop()
         left -= NODES
         values = nodes(np.array([first]), np.array([last])).ravel()
+        rows: list[list[Turn] | Unknown] = [NO_VALUE]
         if left >= 0:
             rows = [excess(x) for x in values.tolist()]
+        known = [row for row in rows if not isinstance(row, Unknown)]
+        if len(known) == len(rows):
+            branches = _branches(first, last, known)
+            if branches is not None:
+                folds += [fold for piece in branches for fold in _crossings(piece)]
+                continue
+            if _passed_by(known):
+                continue
+        if known and last - first > _LEAST_SHARE_OF_RANGE * (high - low):
+            middle = (first + last) / 2
+            ranges += [(middle, last), (first, middle)]
         else:
-            rows = [[]]
-        if (branches := _branches(first, last, rows)) is not None:
-            folds += [fold for piece in branches for fold in _crossings(piece)]
-        elif not all(rows) or not _passed_by(rows):
-            if any(rows) and last - first > _LEAST_SHARE_OF_RANGE * (high - low):
-                middle = (first + last) / 2
-                ranges += [(middle, last), (first, middle)]
-            else:
-                unresolved.append((first, last))
+            unresolved.append((first, last))
     return folds, joined(unresolved)
 
 
 def _branches(low: float, high: float, rows: list[list[Turn]]) -> list[Piece] | None:
     """Return extrema between two values as polynomials; None where they come or go, or are not followed."""
-    kinds = {(len(turns), turns[0].value < turns[1 % len(turns)].value) for turns in rows if turns}
-    if not all(rows) or len(kinds) > 1:
+    kinds = {(len(turns), turns[0].value < turns[1 % len(turns)].value) for turns in rows}
+    if len(kinds) > 1:
         return None
     pieces = list[Piece]()
     for branch in zip(*(turns[1:-1] for turns in rows), strict=True):

@@ -67,7 +67,7 @@ _COST_OF_STRONG = 8  # and as how many of them one counts where friction is stro
 _THRESHOLD_RTOL = 1e-8  # relative error of thresholds, and of polynomials through them
 _DIGITS_OF_KEY = 12  # of N/(V sqrt(k m)), by which one value is known from others
 _DISTANT = 1e-3  # of its distance from c, error of a threshold that suffices,
-_ROUGH_RTOL = 1e-3  # or of itself
+_ROUGH_RTOL = 1e-4  # or of itself: rougher ones are mostly asked for again
 _MOST_THRESHOLDS, _MOST_AVERAGES = 400, 4000  # values that may be computed
 _EDGE = 3e-3  # relative distance within which it is said where thresholds end
 _NONE = Unknown("there is no threshold")
@@ -283,8 +283,8 @@ def critical_damping(threshold: Threshold[float]) -> CriticalValues:
     return CriticalValues([value], "c", "kg/s", (-math.inf, math.inf))
 
 
-def excess(points: OperatingPoints, c: float, method: Method | None) -> float:
-    """Return a number with the sign of threshold minus c at one operating point; NaN where there is none.
+def excess(points: OperatingPoints, c: float, method: Method | None) -> float | Unknown:
+    """Return a number with the sign of threshold minus c at one operating point, or why none is known.
 
     An average, or a method that does not converge, has a threshold of its own. For the others it is the mismatch
     of the grazing orbit, cut at -1 and 1: infinite, with its sign, where a half does not come to w = 1. It is 0
@@ -294,23 +294,29 @@ def excess(points: OperatingPoints, c: float, method: Method | None) -> float:
     try:
         if method is not None and method.criterion is not None:
             law = points.law
-            weighted = (method.criterion, points.V)
-            mean = float(
-                resolved_gauss_average(law.kinetic, *weighted)[0]
-            )  # none where a slope overflows, as with huge exponents
-            return float(points.N[0]) * (float(fast_average(law, *weighted)[0]) if math.isnan(mean) else mean) - c
+            weighted = method.criterion, points.V
+            mean = float(resolved_gauss_average(law.kinetic, *weighted)[0])
+            if math.isnan(mean):  # a slope overflows, as with huge exponents
+                mean = float(fast_average(law, *weighted)[0])
+            return _known_number(float(points.N[0]) * mean - c)
         if method is not None and not method.converges:
-            return float(evaluate(points, method, SIGNS)[0].value[0]) - c
+            return _known_number(float(evaluate(points, method, SIGNS)[0].value[0]) - c)
         system = NondimensionalOscillator.of(points.bound, points.oscillator(0, c))
-    except NO_RESULT:
-        return math.nan
+    except NO_RESULT as error:
+        return Unknown(*error.args)
     mismatch = velocity_mismatch_at(system, 1.0, rtol=SIGNS)
     if mismatch.leaves and math.isfinite(system.w_max):
-        return math.nan
+        return Unknown(*system.unmeasured(system.w_max).args)
+    if math.isnan(mismatch.value):
+        return Unknown("the halves of the grazing orbit take too many steps")
     is_sure = math.isinf(mismatch.value) or abs(mismatch.value) > mismatch.rounding
     if is_sure:
         return min(max(float(mismatch.value), -1.0), 1.0)
     return 0.0
+
+
+def _known_number(value: float) -> float | Unknown:
+    return Unknown("slopes of mu are no numbers there, or overflow") if math.isnan(value) else value
 
 
 def _read_places(within: Sequence[float | str] | None) -> FloatArray | None:
@@ -654,8 +660,8 @@ class _Search:
         def off(u: float) -> float:
             x = scale.value(u)
             gap = excess(self.at(x), self.c, self.method)
-            if math.isnan(gap):
-                self._no_threshold(x)
+            if isinstance(gap, Unknown):
+                raise NotConverged(f"there is no threshold at {self.of} = {x:.6g}: ", *gap.reason)
             return min(max(gap, -1.0), 1.0)
 
         polished = _polished(off, root)
@@ -676,12 +682,13 @@ class _Search:
                 return None
             beside = ERRORS_TO_CHECK_FATE * (result.relative_error or 0.0) * abs(result.value)
             beside = min(max(beside, _FLAT * abs(result.value)), width)
-            fates = [excess(self.at(result.value + side * beside), self.c, self.method) for side in (-1, 1)]
+            below = excess(self.at(result.value - beside), self.c, self.method)
+            above = excess(self.at(result.value + beside), self.c, self.method)
         except NO_RESULT:
             return None
-        if fates[0] * fates[1] < 0:
-            return result
-        return None
+        if isinstance(below, Unknown) or isinstance(above, Unknown):
+            return None
+        return result if below * above < 0 else None
 
     # -- where the law varies quickly --------------------------------------------------------------
 
@@ -733,9 +740,7 @@ class _Search:
         system = NondimensionalOscillator.of(points.bound, points.oscillator(0))
         zeta, _ = orbit_damping_ratio(system, rtol=_THRESHOLD_RTOL, fast=self.work > _FEW_THRESHOLDS)
         slip = replace(system, zeta=zeta).slip(0.0, 0.0, until=SlipEnd.MAXIMUM, rtol=TIGHT)
-        if slip.end is SlipEnd.MAXIMUM:
-            return system.V * slip.w
-        return math.inf
+        return math.inf if slip.end is SlipEnd.OUTSIDE else system.V * slip.u_most
 
     # -- stretches with thresholds -----------------------------------------------------------------
 

@@ -22,6 +22,7 @@ from stickslip_sym.motion.simulation.cycle import stick_slip_cycle
 from stickslip_sym.motion.thresholds.methods import Method, MethodName
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.motion.thresholds.uncertainty import standard_errors
+from stickslip_sym.numerics.known import Unknown
 from stickslip_sym.output.data import DataResult, TableResult, columns_of
 from stickslip_sym.output.shown import Report, views_of
 
@@ -283,7 +284,9 @@ def _probabilities(
         damping = c + spread * rng.standard_normal()
         with suppress(*NO_RESULT):  # where it is no operating point
             points = threshold.points.shifted(dict(zip(names, shift, strict=True)))
-            off[i] = excess(points, damping, method if method.criterion else None)
+            sample = excess(points, damping, method if method.criterion else None)
+            if not isinstance(sample, Unknown):
+                off[i] = sample
     decided = off[np.abs(off) > 0]  # neither 0 nor NaN
     if not decided.size:
         return probability, Sampled(math.nan, math.nan, 1.0)

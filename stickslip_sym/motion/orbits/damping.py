@@ -69,13 +69,15 @@ class NeededDamping:
 
     def at(self, amplitude: ArrayLike) -> FloatArray:
         """Return d at amplitudes over the belt speed; d(0) is the Hopf bifurcation, d(1) the graze."""
-        A, hopf = np.asarray(amplitude, dtype=np.float64), -self.system.decay(1.0)
+        A = np.asarray(amplitude, dtype=np.float64)
+        hopf = -self.system.decay(1.0)
         d = [hopf if one < NEAREST else 2 * orbit_damping_ratio(self.system, one)[0] for one in A.ravel().tolist()]
         return np.array(d).reshape(A.shape)
 
     def mismatch(self, A: float, damping: float) -> float:
         """Return the mismatch of an orbit at a damping over sqrt(k m), of the sign of d(A) - damping."""
-        system, steps = self.system, TIGHT
+        system = self.system
+        steps = TIGHT
         if abs(system.eta) < _WEAK_FRICTION:
             steps = PRECISE
         value = velocity_mismatch_at(replace(system, zeta=damping / 2), A, rtol=steps).value
@@ -93,7 +95,8 @@ class NeededDamping:
     def least(self) -> float:
         """The least amplitude at which d is resolved: beside a jump of mu at V it grows without bound."""
         rise = _rise_at(self.system.table, self.system.V)
-        levels, jumps = rise.levels, rise.jumps
+        levels = rise.levels
+        jumps = rise.jumps
         jump = max(
             (abs(size) for w, size in zip(levels, jumps, strict=False) if abs(w - 1) <= NEAREST), default=0.0
         )
@@ -138,16 +141,24 @@ class NeededDamping:
             most=_MOST_ORBITS,
         )
 
+    @property
+    def covers_all_amplitudes(self) -> bool:
+        """Whether the polynomials, and what is open between them, go from the nearest amplitude to 1."""
+        return self.least <= NEAREST and self.measured >= 1 and bool(self.resolved.pieces)
+
     def amplitudes(self, places: ArrayLike) -> FloatArray:
         """Return amplitudes, over the belt's speed, from places among the edges.
 
         They go with the square of the distance from the lower edge, or from the upper one in the first and the
         last range.
         """
-        places, edges = np.asarray(places, dtype=np.float64), np.array(self.edges)
+        places = np.asarray(places, dtype=np.float64)
+        edges = np.array(self.edges)
         last = edges.size - 2
         row = np.clip(places.astype(np.intp), 0, last)
-        low, high, part = edges[row], edges[row + 1], places - row
+        low = edges[row]
+        high = edges[row + 1]
+        part = places - row
         below = (row == 0) | (row == last)
         found: FloatArray = np.where(below, high - (high - low) * (1 - part) ** 2, low + (high - low) * part**2)
         return found
@@ -192,7 +203,8 @@ class NeededDamping:
         graze = attempted(orbit_damping_ratio, self.system)
         if isinstance(graze, Unknown):
             return None
-        d, error = 2 * graze[0], 2 * graze[1]
+        d = 2 * graze[0]
+        error = 2 * graze[1]
         last = self.resolved.turns[-1]
         return Turn(1.0, d, error) if abs(d - last.value) > _ERRORS_OF_CLEAR_SIGN * (error + last.error) else None
 
@@ -202,12 +214,13 @@ class NeededDamping:
         - `grows_at_rest`: whether small motions about rest grow at each: a cycle may be smaller than all others.
         """
         none = np.zeros_like(grows_at_rest)
-        if self.least > NEAREST or self.measured < 1 or not self.resolved.pieces:
+        if not self.covers_all_amplitudes:
             return none, none, ~none
         sides = np.array([self._side(damping) for damping in dampings.tolist()])
         # Where all orbits grow, or shrink, while those about rest do not, there is a cycle that is smaller.
         cycle = (sides != 0) & ((sides > 0) != grows_at_rest)
-        stable, unsure = cycle & grows_at_rest, none.copy()
+        stable = cycle & grows_at_rest
+        unsure = none.copy()
         if (left := sides == 0).any():
             cycle[left], stable[left], unsure[left] = self._between(dampings[left], grows_at_rest[left])
         return cycle, stable, unsure
@@ -234,7 +247,8 @@ class NeededDamping:
         Raises `InputError` if orbits leave the speeds that were measured of the law, and `NotConverged` where a
           range of amplitudes is not resolved.
         """
-        turns, V = self.turns, self.system.V
+        turns = self.turns
+        V = self.system.V
         if any(turn.x > self.measured and turn.value > damping for turn in turns):
             raise self.system.unmeasured(self.system.w_max)
         ranges = [self.amplitudes(ends).tolist() for ends in self.resolved.open_at(damping)]
@@ -293,7 +307,8 @@ class NeededDamping:
         way = math.copysign(1.0, self.mismatch(low, damping))
         peak, end = (low, high) if way > 0 else (high, low)
         for _ in range(_ROUNDS_LOOKED_AT):
-            before, peak = peak, 1 - first_minimum(system, system.turn(1 - peak), 1 - peak, TIGHT)
+            before = peak
+            peak = 1 - first_minimum(system, system.turn(1 - peak), 1 - peak, TIGHT)
             if way * (peak - end) >= 0:
                 return True
             if way * (peak - before) <= 0:
@@ -324,10 +339,12 @@ def resolve_together(needs: Sequence[NeededDamping]) -> None:
     if not needs:
         return
     begins = np.cumsum([0, *(len(need.edges) - 1 for need in needs)])
-    system, etas = needs[0].system, np.array([need.system.eta for need in needs])
+    system = needs[0].system
+    etas = np.array([need.system.eta for need in needs])
 
     def values(places: FloatArray) -> Column:
-        which, A = np.searchsorted(begins, places, side="right") - 1, np.empty(places.size)
+        which = np.searchsorted(begins, places, side="right") - 1
+        A = np.empty(places.size)
         for i in np.unique(which).tolist():
             A[which == i] = needs[i].amplitudes(places[which == i] - begins[i])
         return _orbit_dampings(system, etas[which], A)
@@ -362,11 +379,12 @@ def quick_speeds(table: FrictionTable, V: float) -> list[float]:
 def needed_damping(law: FrictionLaw, osc: Oscillator) -> NeededDamping:
     """Return the damping that slip orbits need as a function of their amplitude; the c of `osc` is not used."""
     system = NondimensionalOscillator.of(law.bound, osc)
-    return _needed_damping_at(system.table, system.eta, system.V)
+    return needed_damping_at(system.table, system.eta, system.V)
 
 
 @lru_cache(maxsize=64)  # cycles at many dampings read one
-def _needed_damping_at(table: FrictionTable, eta: float, V: float) -> NeededDamping:
+def needed_damping_at(table: FrictionTable, eta: float, V: float) -> NeededDamping:
+    """Return the same from the table of a law, and numbers free of units."""
     return NeededDamping(NondimensionalOscillator(eta, 0.0, _drop_static_excess(table), V))
 
 

@@ -119,19 +119,22 @@ def _expand(half: FloatArray) -> GrazingExpansion:
     """Expand from -mu' at the phases of half a period."""
     size = half.shape[1]
     theta = (np.arange(2 * size) + 0.5) * (np.pi / size)
-    sine, n = np.sin(theta), np.arange(size, dtype=np.float64)
+    sine = np.sin(theta)
+    n = np.arange(size, dtype=np.float64)
     off_resonance = n**2 - 1
     off_resonance[1] = np.inf  # the fundamental is set by the amplitude
     g = np.hstack([half, half[:, ::-1]])
     feed = -2 * fourier_coefficients(g * sine).imag
     harmonic = feed[:, 1]
     b = feed / off_resonance
-    z1, excess = values(-0.5j * b), g - harmonic[:, None]
+    z1 = values(-0.5j * b)
+    excess = g - harmonic[:, None]
     a = 2 * n * fourier_coefficients(excess * z1).imag / off_resonance
     a[:, 1] = -((n * b).sum(axis=1) ** 2) / 2 - a[:, 2:].sum(axis=1)
     curvature = values(-1j * n * fourier_coefficients(g)) / sine  # dg/dz, from the derivative by the phase
     second = 2 * ((excess * values(a / 2) + curvature * z1**2 / 2) * np.cos(theta)).mean(axis=1)
-    high, largest = np.abs(feed[:, size - size // 4 :]).max(axis=1), np.abs(g).max(axis=1)
+    high = np.abs(feed[:, size - size // 4 :]).max(axis=1)
+    largest = np.abs(g).max(axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
         tail = np.nan_to_num(np.where(high == 0, 0.0, high / largest), nan=np.inf, posinf=np.inf)
     return GrazingExpansion(harmonic, second, np.abs(b) @ n, largest, tail, np.full(len(half), size))

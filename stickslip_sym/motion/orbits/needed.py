@@ -79,6 +79,14 @@ _LOOSER = 10.0  # times the tolerance, for the estimate of what the integration 
 _SECANT_RANGE = 100.0
 """Times the tolerance of steps, a mismatch from which a secant leads to its root within their errors."""
 _BENT = 0.01  # of a mismatch, that the last secant may be off
+_GRADUAL_WIDTH = 0.05  # over V, of each piece of the table of a law that varies gradually
+_ADDED_OF_GRADUAL = 50.0
+"""Tolerances that errors of steps add up to along its orbits; in 25,000 of them at most 33."""
+_SHARE_OF_STEPS = 0.8  # of the error that is wanted; the rest is that of the secant
+_UNKNOWN_BEND = 2.0  # relative, by which the slope may be off before it was seen
+_BENT_BY_TWO = 0.2  # relative, by which the slope through two mismatches may be off, at least
+_FAR = 0.1  # mismatch from which its secant leads closer whatever the errors of loose steps
+_MOST_SECANTS = 8  # mismatches, before a search in a bracket begins anew
 _SLOW = 0.5  # of the mismatch before, above which the secant does not help
 _FALL = -2 * math.pi  # of the mismatch with zeta, where friction is weak
 _MOST_GAPS = 200  # dampings that are tried
@@ -190,9 +198,11 @@ def forward_and_backward_orbit(
     if w == 0.0:
         q = -rest
 
-    forward, begin = Field(eta, push + rest, 1.0, 2.0 * zeta), SlipState(0.0, q, w, 1.0, 0.0, D)
+    forward = Field(eta, push + rest, 1.0, 2.0 * zeta)
+    begin = SlipState(0.0, q, w, 1.0, 0.0, D)
     outcome, state = _follow_half(rise, forward, begin, SlipEnd.MAXIMUM.value, math.inf, wedge, rtol)
-    highest, tau = state.w, state.tau
+    highest = state.w
+    tau = state.tau
     if outcome == HalfOutcome.RETURNS:
         top = SlipState(0.0, state.q, state.w, 1.0, 0.0, state.wedge)
         outcome, state = _follow_half(rise, forward, top, SlipEnd.LEVEL.value, 1.0, wedge, rtol)
@@ -201,7 +211,8 @@ def forward_and_backward_orbit(
 
     # Backward in time the equations are the same, with q and all of their factors negated.
     negated = Wedge(-wedge.constant, -wedge.linear, -wedge.factor, wedge.pieces, wedge.shifts, wedge.wanted)
-    backward, begin = Field(-eta, -push - rest, 1.0, -2.0 * zeta), SlipState(0.0, -graze, w, 1.0, 0.0, D)
+    backward = Field(-eta, -push - rest, 1.0, -2.0 * zeta)
+    begin = SlipState(0.0, -graze, w, 1.0, 0.0, D)
     outcome, state = _follow_half(rise, backward, begin, SlipEnd.LEVEL.value, 1.0, negated, rtol)
     back = Half(outcome, -state.rate, state.wedge, w, state.tau)
 
@@ -227,12 +238,15 @@ def velocity_mismatch(
 ) -> VelocityMismatch:
     """Return the mismatch of an orbit; arguments as for `forward_and_backward_orbit`."""
     ahead, back = forward_and_backward_orbit(rise, eta, zeta, push, A, rtol, wedge, 0.0)
-    r_f, r_b, highest = ahead.rate, back.rate, ahead.highest
+    r_f = ahead.rate
+    r_b = back.rate
+    highest = ahead.highest
     if ahead.outcome in (HalfOutcome.LEAVES, HalfOutcome.UNKNOWN):
         highest = math.inf
     if ahead.outcome == HalfOutcome.LEAVES:
         return VelocityMismatch(math.inf, 0.0, True, math.inf, highest)
-    arrives, came = ahead.outcome == HalfOutcome.RETURNS, back.outcome == HalfOutcome.RETURNS
+    arrives = ahead.outcome == HalfOutcome.RETURNS
+    came = back.outcome == HalfOutcome.RETURNS
     if arrives and r_f < 0.0 and (back.outcome == HalfOutcome.CREEPS or (came and r_b >= 0.0)):
         return VelocityMismatch(math.inf, 0.0, False, math.inf, highest)
     if came and (ahead.outcome == HalfOutcome.CREEPS or (arrives and r_f >= 0.0)):
@@ -253,7 +267,8 @@ def mismatch_of_certain_sign(
     rise: Rise, eta: float, zeta: float, push: float, A: float, rtol: float
 ) -> VelocityMismatch:
     """Return the mismatch by coarse steps where they show its sign, without its derivative."""
-    unwanted, coarse = no_wedge(rise), _LOOSEST_SIGN_RTOL
+    unwanted = no_wedge(rise)
+    coarse = _LOOSEST_SIGN_RTOL
     if abs(eta) > STRONG:
         coarse = _STIFF_SIGN_RTOL
     glance = velocity_mismatch(rise, eta, zeta, push, A, coarse, unwanted)
@@ -280,6 +295,11 @@ def search_damping_ratio(rise: Rise, eta: float, push: float, A: float, rtol: fl
         return OrbitDampingRatio(SearchEnd.CLOSED, 0.0, 0.0, 0.0, 0.0)
     if not largest < _WILD:
         return OrbitDampingRatio(SearchEnd.FAILED, zeta, math.inf, -math.inf, math.inf)
+    is_within_reach = rtol * abs(_FALL * zeta) >= _ADDED_OF_GRADUAL * PRECISE
+    if abs(eta) <= STRONG and is_within_reach and _varies_gradually(rise):
+        need = _search_by_secants(rise, eta, push, A, rtol, zeta, largest)
+        if need.end != SearchEnd.FAILED:
+            return need
     steps = _tolerance(eta, zeta, rtol)
     need = _searched(rise, eta, push, A, steps, zeta, largest)
     while need.end == SearchEnd.CLOSED and need.error > rtol * abs(need.zeta) and steps > PRECISE:
@@ -289,6 +309,73 @@ def search_damping_ratio(rise: Rise, eta: float, push: float, A: float, rtol: fl
             break
         need = finer
     return need
+
+
+@compilable
+def _varies_gradually(rise: Rise) -> bool:
+    """Whether a law has neither a kink nor a piece so narrow that steps may miss what it does there."""
+    gradual = len(rise.jumps) == 1
+    for i in range(1, len(rise.pieces)):
+        gradual = gradual and rise.pieces[i][0] - rise.pieces[i - 1][0] >= _GRADUAL_WIDTH
+    return gradual
+
+
+@compilable
+def _search_by_secants(
+    rise: Rise, eta: float, push: float, A: float, rtol: float, zeta: float, largest: float
+) -> OrbitDampingRatio:
+    """Search from a first guess by secants alone; it has failed where these do not lead to the root.
+
+    For moderate friction whose law varies gradually it is known what errors of steps add up to. So steps are as
+    long as the error that is wanted allows, and loose while the mismatch is far from 0.
+    """
+    steps = _LOOSEST_SEARCH_RTOL
+    added_before = 0.0
+    slope = _FALL
+    bend = _UNKNOWN_BEND
+    low = -math.inf
+    high = math.inf
+    earlier = math.nan
+    last = math.nan
+    before = math.nan
+    for _ in range(_MOST_SECANTS):
+        value, _, _, rounding, _ = velocity_mismatch(rise, eta, zeta, push, A, steps, no_wedge(rise))
+        if is_late():
+            return OrbitDampingRatio(SearchEnd.LATE, zeta, math.inf, low, high)
+        if not math.isfinite(value) or abs(value) > _SLOW * abs(before):
+            break
+        added = _ADDED_OF_GRADUAL * steps * max(rounding / ROUNDING, slope / _FALL)
+        if value > added:
+            low = max(low, zeta)
+        elif value < -added:
+            high = min(high, zeta)
+        fall = abs(value - before)
+        secant = math.nan
+        if zeta != last:
+            secant = (value - before) / (zeta - last)
+        if secant < 0.0 and added + added_before < fall:
+            # By the part of a mismatch that a secant left over the next one is off at most, as they close in.
+            bend = abs(value / before) + (added + added_before) / fall
+            if math.isnan(earlier):
+                bend = max(bend, _BENT_BY_TWO)
+            slope = secant
+        closer = zeta - value / slope
+        off = added + max(bend, _BENT) * abs(value)
+        error = off / -slope + PRECISE * (abs(zeta) + largest)
+        wanted = rtol * abs(closer)
+        if error <= wanted:
+            return OrbitDampingRatio(SearchEnd.CLOSED, closer, error, closer - error, closer + error)
+        enough = _SHARE_OF_STEPS * wanted * -slope / added * steps
+        if enough < PRECISE:
+            break
+        earlier = last
+        last = zeta
+        before = value
+        added_before = added
+        zeta = closer
+        if abs(value) <= _FAR:
+            steps = min(enough, _LOOSEST_SEARCH_RTOL)
+    return OrbitDampingRatio(SearchEnd.FAILED, zeta, math.inf, -math.inf, math.inf)
 
 
 @compilable
@@ -321,9 +408,12 @@ def _search(
 
     The error is infinite where the bracket collapsed: secants did not lead to a root.
     """
-    low, high, slope = -math.inf, math.inf, _FALL
+    low = -math.inf
+    high = math.inf
+    slope = _FALL
     reach = 0.1 * max(abs(zeta), largest + abs(push))
-    last, before = math.nan, math.nan
+    last = math.nan
+    before = math.nan
     for _ in range(_MOST_GAPS):
         value, _, _, rounding, _ = velocity_mismatch(rise, eta, zeta, push, A, rtol, no_wedge(rise))
         if is_late():
@@ -336,8 +426,10 @@ def _search(
             high = min(high, zeta)
         if math.isfinite(value) and math.isfinite(before) and (value - before) * (zeta - last) < 0.0:
             slope = (value - before) / (zeta - last)
-        closer, is_slow = zeta - value / slope, abs(value) > _SLOW * abs(before)
-        last, before = zeta, value
+        closer = zeta - value / slope
+        is_slow = abs(value) > _SLOW * abs(before)
+        last = zeta
+        before = value
         if abs(value) <= _SECANT_RANGE * rtol:
             loose = velocity_mismatch(rise, eta, zeta, push, A, _LOOSER * rtol, no_wedge(rise)).value
             off = abs(loose - value) + rounding + _BENT * abs(value)
@@ -353,7 +445,8 @@ def _search(
         if math.isfinite(value) and low < closer < high and not is_slow:
             zeta = closer
         else:
-            zeta, reach = _inner(low, high, zeta, reach), 3.0 * reach
+            zeta = _inner(low, high, zeta, reach)
+            reach = 3.0 * reach
     return OrbitDampingRatio(SearchEnd.FAILED, zeta, math.inf, low, high)
 
 
@@ -392,7 +485,8 @@ def damping_ratios(rows: FloatArray) -> Column:
     were measured it is the one at which that begins.
     """
     end, zeta, error, low, high = rows.T
-    leaves, never = end == SearchEnd.OUTSIDE, end == SearchEnd.NEVER
+    leaves = end == SearchEnd.OUTSIDE
+    never = end == SearchEnd.NEVER
     values = np.where(never, np.copysign(np.inf, zeta), zeta)
     errors = np.where(never, 0.0, np.where(leaves, high - low, error))
     return Column.of_codes(values, errors, end, _UNKNOWN)
@@ -414,9 +508,11 @@ def _harmonic(rise: Rise, eta: float, A: float) -> tuple[float, float]:
     The ratio is a first guess, by a few phases. The rise is 0 only if it is at the middle of each piece too: the
     bump of a law that is flat elsewhere lies between phases.
     """
-    pieces, end = rise.pieces, rise.levels[-1]
+    pieces = rise.pieces
+    end = rise.levels[-1]
     whole = Branch(pieces, 0, len(pieces) - 1, 0)
-    zeta, largest = 0.0, 0.0
+    zeta = 0.0
+    largest = 0.0
     for i in range(_GUESS_PHASES):
         cosine = math.cos((i + 0.5) * math.pi / _GUESS_PHASES)
         lifted = eta * rise_at(whole, min(1.0 - A * cosine, end))
@@ -471,7 +567,8 @@ def orbit_damping_ratio(
       root lies.
     """
     check_time()
-    eta, push = system.eta, system.push(1) if A == 1.0 else 0.0
+    eta = system.eta
+    push = system.push(1) if A == 1.0 else 0.0
     orbit: list[FloatArray] = [np.array([value]) for value in (eta, push, A)]
     rows = np.empty((1, 5))
     fast = (fast and is_compiling()) or is_ready(search_damping_ratios)

@@ -81,17 +81,21 @@ def orbits(
 
 def _solved(orbit: "_Orbit", rtol: float, added: Sequence[BoundLaw]) -> list[float]:
     """Solve by Newton's method, on a finer grid whenever that is done; return the row of an orbit."""
-    longest, before = math.inf, math.inf
+    longest = math.inf
+    before = math.inf
     for _ in range(_MOST_NEWTON_STEPS):
         check_time()
         change, g, tail = orbit.improve()
         if not change < longest:
             break
         longest = 1.0  # a step as long as the orbit is high leads nowhere, but for the first
-        d, scale = orbit.d, max(float(np.abs(g).max()), abs(orbit.harmonic))
-        error, enough = scale * (tail + _ROUNDING_OF_DAMPING * len(g) / _POINT_GRIDS[0]), rtol * abs(d)
+        d = orbit.d
+        scale = max(float(np.abs(g).max()), abs(orbit.harmonic))
+        error = scale * (tail + _ROUNDING_OF_DAMPING * len(g) / _POINT_GRIDS[0])
+        enough = rtol * abs(d)
         finest = len(g) == _POINT_GRIDS[-1] or tail <= _ROUNDING_OF_DAMPING
-        gains, before = change < 0.1 * before, change
+        gains = change < 0.1 * before
+        before = change
         if change > _LAST_NEWTON_STEP and (finest or error <= enough or (change > tail and gains)):
             continue  # until the grid sets the error, which shows in steps that gain less than a digit too
         if finest or error <= enough:
@@ -101,7 +105,8 @@ def _solved(orbit: "_Orbit", rtol: float, added: Sequence[BoundLaw]) -> list[flo
             velocity = orbit.velocity
             changes = orbit.changes(added) if added else ()
             return [d, relative, float(orbit.g(velocity).mean()) - d, orbit.lowest, *changes]
-        orbit, before = orbit.on(_POINT_GRIDS[_POINT_GRIDS.index(len(g)) + 1]), math.inf
+        orbit = orbit.on(_POINT_GRIDS[_POINT_GRIDS.index(len(g)) + 1])
+        before = math.inf
     return [np.nan, np.inf, np.nan, np.nan] + [np.nan] * len(added)
 
 
@@ -146,7 +151,8 @@ class _Orbit:
 
     def sees(self) -> bool:
         """Whether the grid meets every narrow piece of the law's table within the orbit's speeds."""
-        low, high = self.V * (1 - self.A), self.V * (1 - self.lowest)
+        low = self.V * (1 - self.A)
+        high = self.V * (1 - self.lowest)
         return bool(self.law.table.resolved(low, high, len(self.z)))
 
     @property
@@ -174,7 +180,8 @@ class _Orbit:
         """Return what the grid may miss of d: that by harmonic balance, a layer at rest, or a narrow piece."""
         theta = (np.arange(2 * len(self.z)) + 0.5) * (np.pi / len(self.z))
         seen = 2 * float((self.g(self.A * np.cos(theta)) * np.sin(theta) ** 2).mean())
-        V, strength = np.array([self.V]), np.array([self.strength])
+        V = np.array([self.V])
+        strength = np.array([self.strength])
         if not self.sees():
             return math.inf
         layer = float(damping_of_layer(self.law, V, strength, len(self.z))[0]) if self.A == 1 else 0.0
@@ -185,7 +192,8 @@ class _Orbit:
 
         Size and tail are relative to what friction does to an orbit of this height.
         """
-        g, K = self.g(self.velocity), len(self.z) - 1
+        g = self.g(self.velocity)
+        K = len(self.z) - 1
         strength = self.A * float(np.abs(g).max()) or 1.0
         matrix, residual, push = self.equations(g)
         # NumPy's own takes threads for a hundred unknowns, which wait for each other longer than they work.
@@ -201,8 +209,10 @@ class _Orbit:
 
     def changes(self, added: Sequence[BoundLaw]) -> FloatArray:
         """Return the derivatives of d: the equations are solved for what other slopes add to their right side."""
-        velocity, n = self.velocity, np.arange(1, len(self.z))
-        rate, speed = values(1j * np.arange(len(self.z)) * self.z), self.V * np.abs(1 - velocity)
+        velocity = self.velocity
+        n = np.arange(1, len(self.z))
+        rate = values(1j * np.arange(len(self.z)) * self.z)
+        speed = self.V * np.abs(1 - velocity)
         pushes = [fourier_coefficients(-law.at_speeds(speed, derivative=True) * rate)[1:] / n**2 for law in added]
         matrix, _, _ = self.equations(self.g(velocity))
         return np.asarray(dgesv(matrix, _real_and_imaginary_parts(np.transpose(pushes)))[2][-2])
@@ -214,7 +224,8 @@ class _Orbit:
         minus twice the imaginary parts of z_2 to z_K, then d, then sigma. The sizes are those of the coefficients
         of (g - d) dz/dtheta.
         """
-        size, K = len(g), len(self.z) - 1
+        size = len(g)
+        K = len(self.z) - 1
         n = np.arange(1, K + 1)
         excess = g - self.d
         push = fourier_coefficients(excess * values(1j * np.arange(K + 1) * self.z))
@@ -230,9 +241,11 @@ class _Orbit:
         spectrum = np.concatenate([spectrum[K - 1 : 0 : -1].conj(), spectrum])  # from 1 - K up
         minus = spectrum[n[:, None] - n + K - 1]
         plus = spectrum[n[:, None] + n + K - 1]
-        by_cosine, by_sine = (minus + plus) / 2, (minus - plus) / 2j
+        by_cosine = (minus + plus) / 2
+        by_sine = (minus - plus) / 2j
         turn = (-1j / n)[:, None]
-        m, diagonal = n[1:], np.arange(1, K)
+        m = n[1:]
+        diagonal = np.arange(1, K)
         cosine = turn * (by_cosine[:, 1:] - by_cosine[:, :1])
         cosine[diagonal, diagonal - 1] += detuned[1:] / 2
         cosine[0] -= detuned[0] / 2

@@ -8,7 +8,12 @@ import pytest
 
 import stickslip_sym as ss
 from stickslip_sym import Motion
+from stickslip_sym.motion.kernel.slip_data import TIGHT
 from stickslip_sym.motion.maps.results_over_axes import placed
+from stickslip_sym.motion.maps.sweep import _folds
+from stickslip_sym.motion.orbits.damping import NEAREST, needed_damping
+from stickslip_sym.motion.regimes.regime import kept_regime
+from stickslip_sym.numerics.resolved import Resolved
 from support.operating_points import TWO, WAVY, WAVY_POINT, paper_oscillator
 from support.sweeps import sweep
 
@@ -48,6 +53,20 @@ def test_a_fold_is_where_two_cycles_meet(tmp_path):
     text = (tmp_path / "sweep.svg").read_text()
     assert "<!-- fold 4.04658 -->" in text
     assert "<!-- share of the box of initial conditions -->" in text
+
+
+def test_folds_below_the_least_amplitude_are_not_known(monkeypatch):
+    """Beside a jump of mu at V the damping that orbits need is not resolved below an amplitude."""
+    law = ss.FrictionLaw("0.5 - 0.1*v - Piecewise((0, v < 1), (0.02, True))")
+    need = needed_damping(law, ss.Oscillator(m=1, k=100, c=1, V=1, N=1))
+    assert not need.covers_all_amplitudes
+    assert needed_damping(LAW, OSC).least == NEAREST
+
+    def at(c):
+        return kept_regime(law, ss.Oscillator(m=1, k=100, c=c, V=1, N=1), TIGHT)
+
+    monkeypatch.setitem(vars(need), "resolved", Resolved((), (), 0.0))
+    assert _folds(at, 0.05, 2.0, over_damping=True) == ([], [(0.05, 2.0)])
 
 
 def test_a_fold_over_another_quantity():

@@ -6,6 +6,10 @@ import numpy as np
 import pytest
 
 import stickslip_sym as ss
+from stickslip_sym.motion.margins import critical as search
+from stickslip_sym.motion.orbits.needed import VelocityMismatch
+from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
+from stickslip_sym.numerics.known import Unknown
 from support.operating_points import smooth_points
 from support.sweeps import sample, some, sweep
 
@@ -279,3 +283,15 @@ def test_samples_without_a_threshold_or_an_answer():
     found = ss.margins(law, ss.Oscillator(c=2.0, **POINT), samples=60, reach=1.05)
     assert 0.02 < found.sampled.undecided < 0.2
     assert "% undecided" in str(found)
+
+
+def test_a_mismatch_that_is_not_known_is_no_critical_value(monkeypatch):
+    """It was taken for one whose sign rounding hides, and so for a root."""
+    points = OperatingPoints.of(ss.laws.exponential.typical(), **POINT)
+    assert search.excess(points, 2.0, None) > 0 > search.excess(points, 3.0, None)
+    lost = VelocityMismatch(math.nan, 0.0, False, math.inf, math.inf)
+    monkeypatch.setattr(search, "velocity_mismatch_at", lambda *_, **__: lost)
+    assert isinstance(search.excess(points, 2.0, None), Unknown)
+    osc = ss.Oscillator(c=2.3, **POINT)
+    with pytest.raises(ss.NotConverged, match=r"there is no threshold at N = .*: the halves of the grazing orbit"):
+        ss.critical(ss.laws.exponential.typical(), "N", osc, within=(5, 20))

@@ -54,6 +54,34 @@ def test_ratios_agree_within_their_errors(name, eta):
     assert fine[1] <= 2e-9 * abs(fine[0])
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_secants_alone_end_within_their_errors(seed):
+    """Where a law varies gradually no second search says what the steps are off, and few mismatches are enough."""
+    rng = np.random.default_rng(seed)
+    a, b, c = rng.uniform([0.05, 0.5, -0.1], [0.5, 3.0, 0.1]).tolist()
+    system = system_of(ss.FrictionLaw(f"0.3 + {a}*exp(-{b}*v) + {c}*v"))
+    eta, A = float(np.exp(rng.uniform(-3.0, 2.0))), float(rng.uniform(0.01, 1.0))
+    arguments = system.rise, eta, 0.0, A
+    fine = needed.search_damping_ratio(*arguments, TIGHT)
+    assert needed._varies_gradually(system.rise)
+    for rtol in (1e-3, 1e-8):
+        found = needed._search_by_secants(*arguments, rtol, *needed._harmonic(system.rise, eta, A))
+        assert found.end == SearchEnd.CLOSED
+        assert found == needed.search_damping_ratio(*arguments, rtol)
+        assert abs(found.zeta - fine.zeta) <= found.error + fine.error
+        assert found.error <= rtol * abs(found.zeta)
+
+
+def test_laws_that_vary_quickly_are_searched_in_a_bracket():
+    """Steps may miss what they do: a bump of a thousandth, a layer at rest, a kink."""
+    laws = (
+        "0.3 + 0.1*exp(-v) - 0.1*exp(-((v - 0.6)/0.001)^2)",
+        "(0.2 + 0.3*exp(-3*v))*tanh(v/1e-8)",
+        "0.3 + 0.1*exp(-v) + 0.1*Max(v - 0.6, 0)",
+    )
+    assert not any(needed._varies_gradually(system_of(ss.FrictionLaw(law)).rise) for law in laws)
+
+
 def test_what_is_not_known_of_a_half_is_not_known_of_the_gap(monkeypatch):
     """A bound on steps is no sign of a mismatch; a law that ends is one."""
     system = system_of(ss.laws.exponential.typical())
