@@ -50,8 +50,6 @@ class Function:
     where it has none."""
     bounded: bool = False
     """Whether its size has a bound over all real arguments."""
-    decays_superpolynomially: Callable[..., bool] = lambda *z: False
-    """From an argument whose size grows without bound: whether it falls to 0 faster than any power of that."""
     in_laws: bool = False
     """Whether the formula of a friction law may have it."""
     aliases: tuple[str, ...] = ()
@@ -218,7 +216,6 @@ _ROWS = (
         analytic=True,
         hypergeometric=lambda z: sp.hyper((), (), z),
         iterated_integral=lambda x, n, j: sp.exp(x),
-        decays_superpolynomially=lambda z: bool(z.is_negative),
         in_laws=True,
         latex=None,
         dlmf="4.7, 4.2",
@@ -302,7 +299,6 @@ _ROWS = (
         stable_difference=lambda x, a, step: -_difference_of_cosh(x, a, step) * sp.sech(x) * sp.sech(a),
         analytic=True,
         bounded=True,
-        decays_superpolynomially=lambda z: True,
         iterated_integral=_iterated_integral_of_sech,
         in_laws=True,
         squared=True,
