@@ -28,6 +28,7 @@ from stickslip_sym.formula.evaluation.reference_average import MeanSlope
 from stickslip_sym.formula.evaluation.term_function import CANCELLED, TermFunction, count_of
 from stickslip_sym.formula.evaluation.term_sum import TermSum
 from stickslip_sym.formula.exact import exact_value
+from stickslip_sym.model.expression.letters import substitute_numbers
 from stickslip_sym.model.expression.pieces import mean_slope_at_kinks
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
@@ -70,7 +71,7 @@ class SlopeAverage(TermSum, DataResult, by_identity=True):
             at_belt = mean_slope_at_kinks(slope).subs(symbols.v, symbols.V)
             return exact_value(-symbols.N * at_belt, slope, point, digits)
         law = self.law.bind(**{name: point[s] for name, s in self.arguments.items() if name not in ("V", "N")})
-        if law.slope_expr.xreplace(law.bound.point) == 0:  # at these values mu is constant
+        if substitute_numbers(law.slope_expr, law.bound.point) == 0:  # at these values mu is constant
             return rounded(own_mpf(sp.Integer(0)), digits)
         enclosure = enclose(law, self.criterion, V=point[symbols.V], N=point[symbols.N], digits=digits)
         middle = enclosure.mid

@@ -11,9 +11,11 @@ from stickslip_sym.core.interrupts import held_back
 
 @pytest.fixture
 def kept_handler():
-    before = signal.getsignal(signal.SIGINT)
-    yield before
-    assert signal.getsignal(signal.SIGINT) is before
+    """Python's handler, which a run in the background has not: a shell lets it ignore Ctrl-C."""
+    outside = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield signal.default_int_handler
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    signal.signal(signal.SIGINT, outside)
 
 
 @pytest.mark.parametrize("failure", [ValueError, KeyboardInterrupt, ZeroDivisionError, SystemExit])

@@ -156,7 +156,9 @@ def test_a_threshold_is_a_number():
 
 def test_signatures_of_public_functions_can_be_read():
     assert len(FUNCTIONS) > 20
-    assert {name for name, one in FUNCTIONS.items() if len(str(inspect.signature(one))) > 600} == set()
+    for name, one in FUNCTIONS.items():
+        signature = str(inspect.signature(one)).replace("pathlib._local.", "pathlib.")  # of Python 3.13
+        assert len(signature) <= 600, name
 
 
 @pytest.mark.thorough

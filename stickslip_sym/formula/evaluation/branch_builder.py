@@ -512,20 +512,24 @@ def _powers_of_series(terms: Powers, unit: int, side: int, function: Expr | None
     low = min((e for e, _ in terms), default=0)
     offsets = [e - low for e, _ in terms]
 
-    def polynomials(step: int) -> dict[tuple[int, int], list[float]]:
-        groups: dict[tuple[int, int], list[float]] = {}
-        for (e, n), c in terms.items():
+    def lengths(step: int) -> dict[tuple[int, int], int]:
+        """Return how long the polynomials in r^step are, each by the power and the logarithm before it."""
+        longest: dict[tuple[int, int], int] = {}
+        for e, n in terms:
             k, rest = divmod(e - low, step)
-            group = groups.setdefault((rest, n), [])
-            group += [0.0] * (k + 1 - len(group))
-            group[k] = float(c)
-        return groups
+            longest[rest, n] = max(k + 1, longest.get((rest, n), 0))
+        return longest
 
-    steps = {math.gcd(*offsets) or unit, unit, min((o for o in offsets if o), default=unit)}
-    written = {step: polynomials(step) for step in sorted(steps)}
-    step = min(written, key=lambda step: sum(len(group) for group in written[step].values()))
+    each_alone = max(offsets, default=0) + 1  # where powers, as of a measured exponent, have no common step
+    steps = sorted({math.gcd(*offsets) or unit, unit, min((o for o in offsets if o), default=unit), each_alone})
+    step = min(steps, key=lambda step: sum(lengths(step).values()))
+    polynomials = {before: [0.0] * length for before, length in lengths(step).items()}
+    for (e, n), c in terms.items():
+        k, rest = divmod(e - low, step)
+        polynomials[rest, n][k] = float(c)
+
     parts = []
-    for (rest, n), coefficients in sorted(written[step].items()) or [((0, 0), [0.0])]:
+    for (rest, n), coefficients in sorted(polynomials.items()) or [((0, 0), [0.0])]:
         before = symbols.V ** sp.Rational(-side * rest, unit) * (-side * sp.log(symbols.V)) ** n
         before *= 1 if function is None else function.subs(symbols.v, symbols.V)
         parts.append((None if before == 1 else before, tuple(coefficients)))

@@ -4,6 +4,7 @@ import tracemalloc
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import stickslip_sym as ss
 from support.closed_forms import form_of
@@ -159,3 +160,22 @@ def test_blocks_join_without_a_seam_and_in_little_memory():
     for part in (slice(0, 7), slice(16_382, 16_387), slice(399_999, 400_001)):
         assert (together[part] == average(V=V[part], N=9.81, alpha=alpha[part])).all()
     assert not np.allclose(average(V=V[:9], N=9.81, alpha=alpha[9:18]), together[:9], rtol=1e-3)
+
+
+def test_no_power_of_two_long_fractions_is_taken_apart(monkeypatch):
+    """SymPy writes such a power by its prime factors: for these two floats, of a fit, by 3^4488928618064725."""
+    taken_apart = sp.Integer._eval_power
+
+    def guarded(number, exponent):
+        if exponent.is_Rational and exponent.q > 2**20 and number > 2**20:
+            raise AssertionError("a number without end is computed")
+        return taken_apart(number, exponent)
+
+    monkeypatch.setattr(sp.Integer, "_eval_power", guarded)
+    measured = {"mu_s": 0.35, "mu_m": 0.15, "v_s": 0.25007783324531996, "delta": 1.0010858728217171}
+    law = ss.laws.stribeck.bind(**measured)
+    for criterion in ("least_squares", "harmonic"):
+        average = ss.slope_average(law, criterion)
+        by_balls = float(ss.enclose(law, criterion, V=0.5, N=9.81))
+        assert average(V=0.5, N=9.81) == pytest.approx(by_balls, rel=SAME)
+        assert average(V=0.5, N=9.81, mu_s=0.15) == 0  # mu is constant there

@@ -79,6 +79,24 @@ def test_code_equals_the_call(seed, tmp_path):
         assert written.sum() >= np.isfinite(expected).sum() - 2, where
 
 
+@sample(1)
+@pytest.mark.parametrize("criterion", ["least_squares", "harmonic"])
+@pytest.mark.parametrize(
+    "text", ["a*(1 + v/w)^(-n)", "a*v^p/(1 + (v/w)^n)", "a*log(1 + (v/w)^n)", "a/(1 + (v/w)^p)"]
+)
+def test_powers_without_a_common_step_are_written_each_alone(text, criterion):
+    """Measured exponents are fractions over 2^52: a polynomial in the step that they share fits no memory."""
+    scales = {"a": 0.1, "w": 0.25}
+    law = ss.FrictionLaw(text)
+    shapes = {name: value for name, value in {"n": 1.4567, "p": 0.7771}.items() if name in law.parameters}
+    average = ss.slope_average(law.bind(**scales, **shapes), criterion)
+    exec(average.code("python"), module := {})
+    V = 10.0 ** np.linspace(-12, 12, 9)
+    got = module["damping"](V, 2.0, **scales)
+    exact = [float(ss.enclose(average.law, criterion, V=speed, N=2.0)) for speed in V]
+    assert got == pytest.approx(exact, rel=UNITS * np.finfo(float).eps)
+
+
 ANDERSSON = [("andersson", "least_squares")]  # its transition is far narrower than its scale
 
 
