@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from stickslip_sym.cli.arguments import Point
     from stickslip_sym.cli.options import Given
 
-"""What stands for an object of JSON."""
-
 PRINTED = "stickslip_sym: an object of JSON"
 """Marks a call that has printed one: an error that follows prints no second."""
 _FORMAT = 3
