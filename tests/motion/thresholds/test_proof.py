@@ -49,7 +49,7 @@ def simulated(law, rtol=1e-8, **values):
 
 @sweep("name", list(LAWS), "exponential", "static", "kink")
 def test_decisions_agree_with_simulation(name):
-    c = R(float(simulated(LAWS[name]).value))
+    c = R(*float(simulated(LAWS[name]).value).as_integer_ratio())
     below, above = (transit(point(LAWS[name]), c * (1 + side * R(1, 10**7)), 90) for side in (-1, 1))
     assert (below.returns, above.returns) == (True, False)
     assert above.lowest > 0
