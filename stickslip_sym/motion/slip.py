@@ -15,7 +15,7 @@ from stickslip_sym.core.errors import InputError, NotConverged, OutOfTime, Stick
 from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.model.table import FARTHEST, FrictionTable, Rise
-from stickslip_sym.motion.compiled import compilable, compiled, is_compiling
+from stickslip_sym.motion.compiled import compilable, compiled, is_compiling, is_ready
 from stickslip_sym.motion.kernel.follow import follow
 from stickslip_sym.motion.kernel.forces import entered, rate_at
 from stickslip_sym.motion.kernel.slip_data import (
@@ -266,12 +266,12 @@ class NondimensionalOscillator:
         self, q: FloatArray, w: FloatArray, side: ArrayLike = 1.0, *,
         ratios: tuple[ArrayLike, ArrayLike] | None = None, passes: ArrayLike = 0, until: SlipEnd = SlipEnd.RETURN,
         level: float = math.inf, horizon: float = math.inf, rtol: float = TIGHT, most: int = MOST_STEPS,
-        few: int = _FEW_SLIPS, workers: int = 1,
+        few: int | None = None, workers: int = 1,
     ) -> Slip[FloatArray]:  # fmt: skip
         """Follow many slips, compiled where numba is there; arguments as for `slip`, nothing is refused.
 
         - `ratios`: eta and zeta where they are not this system's.
-        - `few`: how many are followed in plain Python.
+        - `few`: how many are followed in plain Python; by default none where machine code is loaded.
         - `workers`: a number of threads, -1 for all processors.
 
         When the time of a `time_limit` is up, which is looked at between batches, the end of what is left is LATE.
@@ -293,6 +293,8 @@ class NondimensionalOscillator:
         halves = min(float(np.max(passes, initial=0)), horizon / math.pi)
         batch = math.ceil(_SLIPS_A_BATCH / (1.0 + halves))
         settings = rtol, int(until), level
+        if few is None:
+            few = 0 if is_ready(_follow_all) else _FEW_SLIPS
         self.spread(_follow_all, [*columns], settings, rows, few=few, batch=batch, workers=workers)
         return Slip(*rows.T)
 

@@ -9,6 +9,8 @@ touches one at which mu drops the mismatch steps past 0, and what is 0 is the di
 import math
 from dataclasses import replace
 
+import numpy as np
+
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.model.bound import BoundLaw
@@ -67,15 +69,18 @@ def _confirm(system: NondimensionalOscillator, zeta: float, off: float) -> None:
     errors = ADDED * (largest + _OF_SPRING)  # of a slip, over the tolerance of its steps
     off = max(off, _ERRORS_OF_CERTAIN_FATE * errors * PRECISE)
     steps = off / (_ERRORS_OF_CERTAIN_FATE * errors)
+    ratios = np.array([zeta - off, zeta + off])
+    slips = system.slips(
+        np.zeros(2), np.zeros(2), ratios=(system.eta, ratios), until=SlipEnd.MINIMUM, level=1.0, rtol=steps,
+        most=_MOST_FATE_STEPS,
+    )  # fmt: skip
+    check_time()
     fates = (
-        (zeta - off, (SlipEnd.MINIMUM, SlipEnd.REST), "does not return"),
-        (zeta + off, (SlipEnd.RETURN,), "returns"),
+        ((SlipEnd.MINIMUM, SlipEnd.REST), "does not return"),
+        ((SlipEnd.RETURN,), "returns"),
     )
-    for ratio, refuting, does in fates:
-        beside = replace(system, zeta=ratio)
-        slip = beside.slip(0.0, 0.0, until=SlipEnd.MINIMUM, level=1.0, rtol=steps, most=_MOST_FATE_STEPS)
-        check_time()
-        if slip.end in refuting:
+    for ratio, end, (refuting, does) in zip(ratios, slips.end, fates, strict=True):
+        if end in refuting:
             raise NotConverged(
                 f"two ways to the threshold disagree at eta = {system.eta:g} and V = {system.V:g} m/s: both "
                 f"halves of the grazing orbit meet at the damping ratio {zeta:.10g}, but at {ratio:.10g} the slip "
