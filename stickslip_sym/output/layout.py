@@ -7,7 +7,7 @@ Modern at 10 pt, from above, so a formula that is broken here fits the text.
 import re
 import unicodedata
 from collections.abc import Callable, Sequence
-from string import ascii_letters, digits
+from string import ascii_lowercase, ascii_uppercase, digits
 
 from stickslip_sym.core.aliases import Notation
 from stickslip_sym.core.errors import InputError
@@ -15,19 +15,13 @@ from stickslip_sym.output.notation import latex_name
 
 LINE = 341.0  # points in 120 mm
 _NUMBER_WIDTH = 32.0  # of them for the number of the equation
-_INDENT_WIDTH = 20.0
-_HANGING = 0.25  # of a line; behind a longer left side nothing is aligned
-_LEAST_PART_OF_LINE = 0.3  # of a line, before which a break at outer brackets is not worth an empty half
+_SHORT_PART = 0.3  # of a line: nothing is aligned behind a longer left side, and no line is left shorter
 
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[A-Za-z]|\d|\s+|.", re.S)
-_LETTER_WIDTHS = (
-    *(5.3, 4.3, 4.4, 5.3, 4.7, 5.6, 4.8, 5.8, 3.5, 4.2, 5.3, 3.0, 8.8),
-    *(6.1, 4.9, 5.1, 4.6, 4.6, 4.7, 3.7, 5.8, 4.9, 7.2, 5.8, 5.0, 4.7),
-    *(7.5, 7.6, 7.6, 8.3, 7.7, 7.6, 7.9, 8.9, 5.0, 6.4, 8.9, 6.9, 10.5),
-    *(8.9, 7.7, 7.6, 8.0, 7.6, 6.5, 7.1, 7.6, 7.7, 10.5, 8.6, 7.7, 7.3),
-)
 _WIDE = {
-    **dict(zip(ascii_letters, _LETTER_WIDTHS, strict=True)), **dict.fromkeys(digits, 5.0),
+    **dict.fromkeys(ascii_lowercase, 5.3), **dict.fromkeys("fhnux", 6.1), **dict.fromkeys("mw", 8.8),
+    **dict.fromkeys(ascii_uppercase, 7.7), **dict.fromkeys("DGHKNQX", 8.9), **dict.fromkeys("MW", 10.5),
+    **dict.fromkeys(digits, 5.0),
     "+": 12.3, "-": 12.3, "=": 13.4, "<": 13.4, ">": 13.4, ",": 4.5, ";": 4.5, "/": 5.0, "(": 3.9, ")": 3.9,
     "[": 2.8, "]": 2.8, "'": 2.8, r"\{": 5.0, r"\}": 5.0, r"\alpha": 6.4, r"\beta": 5.9, r"\gamma": 5.5,
     r"\delta": 4.6, r"\theta": 4.7, r"\mu": 6.1, r"\pi": 5.8, r"\eta": 5.0, r"\int": 11.2, r"\infty": 10.0,
@@ -39,7 +33,7 @@ _WIDE = {
 }  # fmt: skip
 """Points of each sign: its advance or the right edge of its ink, whichever is more, rounded up to a tenth.
 
-From the metrics of the fonts cmmi10, cmr10, cmsy10 and cmex10 (a test holds them against matplotlib's copies),
+A class of letters is as wide as its widest. From the metrics of the fonts cmmi10, cmr10, cmsy10 and cmex10 (a test holds them against matplotlib's copies),
 with the space that TeX sets around an operator (20/9 on each side) or a relation (25/9), behind a function's
 name, a comma or an integral (5/3), and with what larger brackets are wider than plain ones."""
 _WITH_ARGUMENTS: dict[str, tuple[int, Callable[..., float]]] = {
@@ -49,7 +43,8 @@ _WITH_ARGUMENTS: dict[str, tuple[int, Callable[..., float]]] = {
     **dict.fromkeys("^_", (1, lambda script: 0.76 * script + 0.6)),
 }  # fmt: skip
 """How many arguments a command has, and its width from theirs."""
-_WIDEST_GREEK, _OTHER_WIDTH = 6.6, 5.3  # of the small letters, and of signs such as | and *
+_OTHER_WIDTH = 6.6  # of the widest small Greek letter, more than of signs such as | and *
+_INDENT_WIDTH = 2 * _WIDE[r"\quad"]
 _DEPTHS = {"(": 1, "[": 1, r"\{": 1, ")": -1, "]": -1, r"\}": -1}
 _FIXED = {r"\left": 1, r"\begin": 1, r"\right": -1, r"\end": -1}
 
@@ -75,7 +70,7 @@ def _part(tokens: Sequence[str], i: int) -> tuple[float, int]:
         return 0.0, i
     count, of_arguments = _WITH_ARGUMENTS.get(token, (0, float))
     if not count:
-        return _WIDE.get(token, _WIDEST_GREEK if token.startswith("\\") else _OTHER_WIDTH), i
+        return _WIDE.get(token, _OTHER_WIDTH), i
     arguments = []
     for _ in range(count):
         argument, i = _part(tokens, i)
@@ -96,7 +91,7 @@ def displayed(left: str, right: str, *, relation: str = "=", label: str = "", ta
     if width(begin + right) <= line:
         body = f"  {begin}{right}"
     else:
-        if width(begin) <= _HANGING * line:
+        if width(begin) <= _SHORT_PART * line:
             rows = _broken(right, line - width(begin), line - width(begin) - _INDENT_WIDTH)
             rows = [f"{left} &{relation} {rows[0]}", *(f"&\\quad {row}" for row in rows[1:])]
         else:
@@ -124,7 +119,7 @@ def _broken(latex: str, first: float, later: float) -> list[str]:
         fitting = [place for place in left if place[2] - done <= line] or left[:1]
         if not fitting:
             break
-        good = [place for place in fitting if place[2] - done >= _LEAST_PART_OF_LINE * line] or fitting
+        good = [place for place in fitting if place[2] - done >= _SHORT_PART * line] or fitting
         depth = min(place[1] for place in good)
         position, _, before = max(place for place in good if place[1] == depth)
         rows.append(latex[begin:position].rstrip())

@@ -240,8 +240,11 @@ def metrics(font):
 def test_widths_of_signs_are_those_of_the_fonts():
     italic, roman, signs, large = map(metrics, ("cmmi10", "cmr10", "cmsy10", "cmex10"))
     thin, medium, thick = 5 / 3, 20 / 9, 25 / 9
-    expected = {letter: italic[letter] for letter in ascii_letters}
-    expected |= {
+    letters = {letter: italic[letter] for letter in ascii_letters}
+    for letter, points in letters.items():
+        assert points <= layout.width(letter) < points + 3, f"{letter} is as wide as the widest of its class"
+    assert sum(map(layout.width, ascii_letters)) < 1.1 * sum(letters.values())
+    expected = {
         rf"\{name}": italic[name] for name in ("alpha", "beta", "gamma", "delta", "theta", "mu", "pi", "eta")
     }
     expected |= {sign: italic[name] for sign, name in zip(",/", ("comma", "slash"), strict=True)}
@@ -259,4 +262,4 @@ def test_widths_of_signs_are_those_of_the_fonts():
     expected |= {rf"\{size}l": large[f"parenleft{size}"] - roman["parenleft"] for size in ("big", "bigg")}
     for sign, points in expected.items():
         assert 0 <= layout.width(sign) - points < 0.11, sign
-    assert layout.width(r"\frac{V}{N}") >= max(expected["V"], expected["N"])
+    assert layout.width(r"\frac{V}{N}") >= max(letters["V"], letters["N"])
