@@ -33,9 +33,10 @@ _WIDE = {
 }  # fmt: skip
 """Points of each sign: its advance or the right edge of its ink, whichever is more, rounded up to a tenth.
 
-A class of letters is as wide as its widest. From the metrics of the fonts cmmi10, cmr10, cmsy10 and cmex10 (a test holds them against matplotlib's copies),
-with the space that TeX sets around an operator (20/9 on each side) or a relation (25/9), behind a function's
-name, a comma or an integral (5/3), and with what larger brackets are wider than plain ones."""
+A class of letters is as wide as its widest. From the metrics of the fonts cmmi10, cmr10, cmsy10 and cmex10 (a
+test holds them against matplotlib's copies), with the space that TeX sets around an operator (20/9 on each side)
+or a relation (25/9), behind a function's name, a comma or an integral (5/3), and with what larger brackets are
+wider than plain ones."""
 _WITH_ARGUMENTS: dict[str, tuple[int, Callable[..., float]]] = {
     r"\frac": (2, lambda top, below: max(top, below) + 3.0), r"\sqrt": (1, lambda inner: inner + 9.0),
     r"\operatorname": (1, lambda inner: inner + 3.4), r"\hat": (1, float),
