@@ -19,7 +19,8 @@ from stickslip_sym.core.aliases import Condition, Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import CONSTANTS, Function, fold, row
 from stickslip_sym.core.interrupts import held_back
-from stickslip_sym.core.precision import middle_in_mpmath, working_precision
+from stickslip_sym.core.numbers import NUMBER_BITS, bits
+from stickslip_sym.core.precision import GUARD_BITS, middle_in_mpmath, working_precision
 
 Z = TypeVar("Z", acb, arb_series)
 BallFunction = Callable[[acb, bool], acb]
@@ -31,8 +32,6 @@ Point: TypeAlias = Mapping[Expr, Expr | acb]
 _Part: TypeAlias = acb | Callable[..., Any]
 """A ball where no variable stands in an expression, else a function of the variable and of the flag."""
 
-_MOST_BALL_POWER = 64  # of an integer exponent that is multiplied out; a power by logarithm fails around 0
-NUMBER_BITS = 4000  # of a number that is no rational one: beyond the digits of any answer
 _NOWHERE = acb("nan")
 copyreg.pickle(arb, lambda ball: (arb, tuple(tuple(map(int, end.man_exp())) for end in (ball.mid(), ball.rad()))))
 
@@ -144,7 +143,7 @@ class _Balls:
             return lambda z, analytic: reduce(join, [term(z, analytic) for term in terms])
         first, *others = parts
         if node.is_Pow and others:
-            if node.exp.is_Integer and abs(node.exp) <= _MOST_BALL_POWER:
+            if node.exp.is_Integer:
                 count = int(node.exp)
                 return lambda z, analytic: _whole_power(first(z, analytic), count)
             (exponent,) = others
@@ -262,7 +261,7 @@ def number_at(expr: Expr, point: Point) -> Expr:
         expr = resolve_kinks(expr, point)
     if (exact := fold(expr, _rationals(point))) is not None:
         return exact
-    with working_precision(NUMBER_BITS + 64):
+    with working_precision(NUMBER_BITS + GUARD_BITS):
         value = ball_value(expr, point)
         if not (value.is_finite() and value.imag.contains(0)):
             return sp.nan
@@ -296,7 +295,7 @@ def _rationals(point: Point, *, endless: bool = False) -> Callable[[Expr, list[E
             return sp.oo
         elif node.is_Add or node.is_Mul or isinstance(node, sp.Abs | sp.sign | sp.Min | sp.Max):
             number = node.func(*known)
-        elif node.is_Pow and len(known) == 2 and known[1].is_Integer and abs(known[1]) <= _MOST_BALL_POWER:
+        elif node.is_Pow and len(known) == 2 and known[1].is_Integer and _is_short_power(*known):
             number = known[0] ** known[1]
         else:
             return None
@@ -307,6 +306,11 @@ def _rationals(point: Point, *, endless: bool = False) -> Callable[[Expr, list[E
         return None
 
     return value
+
+
+def _is_short_power(base: Expr, exponent: Expr) -> bool:
+    """Whether a whole power is no longer than a number may be."""
+    return not base.is_Rational or bits(base) * abs(int(exponent)) <= NUMBER_BITS
 
 
 _COMPARISONS = {

@@ -9,29 +9,35 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from typing import ClassVar
 
 from stickslip_sym.core.errors import InputError, OutOfTime
 from stickslip_sym.core.numbers import real
 from stickslip_sym.core.remedies import Name
 
 LONGEST = 86_400.0  # seconds, a day
-_end: ContextVar[float] = ContextVar("end of the time limit, of _now", default=math.inf)
-_uncounted = 0.0  # seconds that count in no limit
+_end: ContextVar[float] = ContextVar("end of the time limit, of _Clock", default=math.inf)
 
 
-def _now() -> float:
-    return time.monotonic() - _uncounted
+class _Clock:
+    """What time it is for limits."""
+
+    exempted: ClassVar[float] = 0.0
+    """Seconds so far that count in no limit."""
+
+    @classmethod
+    def now(cls) -> float:
+        return time.monotonic() - cls.exempted
 
 
 @contextmanager
 def exempt_from_time_limit() -> Iterator[None]:
     """Let the time of a block count in no limit, as where something is compiled once for an installation."""
-    global _uncounted
     begin = time.monotonic()
     try:
         yield
     finally:
-        _uncounted += time.monotonic() - begin
+        _Clock.exempted += time.monotonic() - begin
 
 
 def require_seconds(seconds: float | str | None) -> float | None:
@@ -47,7 +53,7 @@ def require_seconds(seconds: float | str | None) -> float | None:
 def time_limit(seconds: float | str | None) -> Iterator[None]:
     """Let `check_time` raise `OutOfTime` within this block once so many seconds have passed; None is no limit."""
     limit = require_seconds(seconds)
-    end = math.inf if limit is None else _now() + limit
+    end = math.inf if limit is None else _Clock.now() + limit
     token = _end.set(min(end, _end.get()))
     try:
         yield
@@ -57,7 +63,7 @@ def time_limit(seconds: float | str | None) -> Iterator[None]:
 
 def time_left() -> float:
     """Return how many seconds are left, infinite without a limit, negative after it."""
-    return _end.get() - _now()
+    return _end.get() - _Clock.now()
 
 
 def is_late() -> bool:

@@ -16,6 +16,7 @@ from sympy.utilities.lambdify import MPMATH_TRANSLATIONS
 
 from stickslip_sym.core.aliases import Expr, ExprOrCondition, Numbers
 from stickslip_sym.core.functions import FUNCTIONS, write_erfcx
+from stickslip_sym.core.numbers import DOUBLE_DIGITS
 from stickslip_sym.core.special import Special
 
 Backend: TypeAlias = Literal["numpy", "math", "mpmath"] | mpmath.MPContext
@@ -51,8 +52,7 @@ _MODULES: dict[Backend, list[Any]] = {
     "math": ["math", _FLOATS],
     "numpy": [{"power_of": power_of}, _FLOATS, "scipy", "numpy"],
 }
-_LARGEST_INTEGER = 2**62  # whole numbers above make NumPy leave its own types for Python's objects
-_DIGITS_OF_DOUBLE = 20  # of a number as text: enough that reading it back gives the nearest double
+_LARGEST_INTEGER = int(np.iinfo(np.int64).max)  # those above make NumPy leave its own types for Python's objects
 
 
 def context_of(backend: Backend) -> mpmath.MPContext | None:
@@ -116,7 +116,7 @@ def _replace_large_numbers(expr: ExprOrCondition) -> ExprOrCondition:
             evaluate=False,
         )
     long = [number for number in expr.atoms(sp.Rational) if max(abs(number.p), number.q) > _LARGEST_INTEGER]
-    expr = expr.xreplace({number: sp.Float(number, _DIGITS_OF_DOUBLE) for number in long})
+    expr = expr.xreplace({number: sp.Float(number, 2 * DOUBLE_DIGITS) for number in long})
     power_function = sp.Function("power_of")
     return expr.replace(
         lambda node: is_multiplied(node) and abs(node.exp) > 1, lambda node: power_function(*node.args)

@@ -7,6 +7,7 @@ double precision is read by `real` and `read_array`.
 
 import math
 import re
+import sys
 from contextlib import suppress
 from decimal import Decimal
 from fractions import Fraction
@@ -31,10 +32,29 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 Number = int | float | str | Fraction | Decimal | SupportsFloat
 
+EPSILON = sys.float_info.epsilon
+"""From 1 to the next double."""
+DOUBLE_BITS = sys.float_info.mant_dig
+"""Bits of a double."""
+DOUBLE_DIGITS = sys.float_info.dig + 2
+"""Decimal digits that tell any two doubles apart."""
+NEGLIGIBLE = 2.0**-66
+"""Of a value: what doubles do not see."""
+LARGEST = 2.0**960
+"""Short of overflow: a number of many digits times it is still a double. Its inverse is as good as 0."""
+SEED = 20160428
+"""Of all random numbers: who asks twice gets the same answer."""
+ROUNDING = 1e-14
+"""What a sum of some hundred terms in doubles is off by, over its largest."""
+LEAST_RTOL = 1e-13
+"""The least relative error that is promised of what is computed in doubles."""
 SAME = 1e-12
 """Relative distance of two numbers that stand for one: it is more than the rounding of a handful of operations."""
 _DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,4})?")
-_MOST_NUMBER_CHARACTERS = 400  # characters of a number; enough for any decimal that has a meaning here
+NUMBER_BITS = 4000
+"""Of a number that is no rational one, or of the longer part of a fraction: beyond the digits of any answer."""
+MOST_NUMBER_CHARACTERS = 400
+"""Characters of a number as it is written; enough for any decimal that has a meaning here."""
 
 
 def exact(value: Number, name: str) -> Rational:
@@ -76,7 +96,7 @@ _ROTATION = (
 def _read_fraction(text: str, name: str) -> Fraction:
     text = si_number(text, name)
     parts = text.strip().split("/")
-    if len(text) <= _MOST_NUMBER_CHARACTERS and len(parts) <= 2 and all(map(_DECIMAL.fullmatch, parts)):
+    if len(text) <= MOST_NUMBER_CHARACTERS and len(parts) <= 2 and all(map(_DECIMAL.fullmatch, parts)):
         with suppress(ZeroDivisionError):
             return reduce(truediv, map(Fraction, parts))
     _refuse_error(text, name)
@@ -143,7 +163,7 @@ def read_array(name: str, value: "ArrayLike", *, finite: bool = True) -> FloatAr
     return array
 
 
-def read_rtol(rtol: Number, *, least: float = 1e-13, most: float = 1e-3) -> float:
+def read_rtol(rtol: Number, *, least: float = LEAST_RTOL, most: float = 1e-3) -> float:
     """Return a tolerance as a float, or refuse one that double precision cannot hold, or that means nothing."""
     number = real("rtol", rtol)
     if not least <= number <= most:

@@ -15,8 +15,8 @@ from stickslip_sym.core.numbers import to_mpf
 
 Ball = TypeVar("Ball", arb, acb)
 
-_GUARD_BITS = 40  # bits of working precision beyond those that are asked for
-_BITS_OF_RETRY = 16  # bits beyond those that were missing
+GUARD_BITS = 40
+"""Bits of working precision beyond those that are needed."""
 _lock = threading.RLock()  # Arb's precision is one setting of the whole process
 
 
@@ -38,7 +38,7 @@ def refined(compute: Callable[[], Ball], goal: int, most: float) -> Ball:
 
     Raises `OutOfTime` when the time of a `time_limit` is up.
     """
-    bits = goal + _GUARD_BITS
+    bits = goal + GUARD_BITS
     while True:
         check_time()
         with working_precision(bits):
@@ -46,7 +46,7 @@ def refined(compute: Callable[[], Ball], goal: int, most: float) -> Ball:
         reached = value.rel_accuracy_bits() if value.is_finite() else 0
         if reached >= goal or bits >= most:
             return value
-        bits = int(min(most, bits + max(min(goal - reached, bits) + _BITS_OF_RETRY, bits // 4)))
+        bits = int(min(most, bits + max(min(goal - reached, bits) + GUARD_BITS, bits // 4)))
 
 
 # -- mpmath ------------------------------------------------------------------------------------------

@@ -15,16 +15,14 @@ from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.printer import Printer
 
 from stickslip_sym.core.aliases import Expr, FloatArray, Mpf
+from stickslip_sym.core.numbers import DOUBLE_BITS, NUMBER_BITS
 from stickslip_sym.core.precision import ball_of_mpmath, middle_in_mpmath, mp, refined, working_precision
 
-_MOST_MPMATH_BITS = 20_000  # bits of working precision for a value in mpmath
-_EIN_TERMS = 21  # of a series at arguments up to 1, the next term of which is below the rounding of a double
-_SERIES_RADIUS = 1.5  # largest argument of the power series of a removable singularity
 _CIRCLE, _BOUND_ON_CIRCLE = (
     3,
     8,
 )  # a radius up to which a removable function is analytic, and a bound on its size there
-_DOUBLE = np.finfo(np.float64).nmant + 1  # bits of a double
+_SERIES_RADIUS = _CIRCLE / 2  # largest argument of its power series
 
 
 class Special(sp.Function):
@@ -36,7 +34,7 @@ class Special(sp.Function):
     def mpf(cls, context: mpmath.MPContext, *arguments: Mpf) -> Mpf:
         """Return the value in the working precision of a context of mpmath."""
         balls = [ball_of_mpmath(argument) for argument in arguments]
-        value = middle_in_mpmath(refined(lambda: cls.ball(*balls).real, context.prec, _MOST_MPMATH_BITS))
+        value = middle_in_mpmath(refined(lambda: cls.ball(*balls).real, context.prec, context.prec + NUMBER_BITS))
         return +context.make_mpf(value._mpf_)
 
     def _eval_evalf(self, prec: int) -> Expr:
@@ -95,7 +93,7 @@ class Ein(Special):
         from scipy.special import exp1
 
         x = np.asarray(x, dtype=np.float64)
-        n = np.arange(1, _EIN_TERMS)
+        n = np.arange(1, DOUBLE_BITS)
         coefficients = np.concatenate([[0.0], -((-1.0) ** n) / (n * np.cumprod(n.astype(np.float64)))])
         series = np.polynomial.polynomial.polyval(np.minimum(x, 1.0), coefficients)
         with np.errstate(all="ignore"):
@@ -210,7 +208,7 @@ class Removable(Special):
     @lru_cache
     def _taylor(cls, n: int, count: int) -> list[fmpq]:
         """Return the first coefficients of the n-th derivative."""
-        with working_precision(_DOUBLE, n + count + 3):
+        with working_precision(DOUBLE_BITS, n + count + 3):
             series = cls.power_series(fmpq_series([0, 1]))
             return [series[k + n] * int(sp.ff(k + n, n)) for k in range(count)]
 
@@ -281,7 +279,7 @@ class Removable(Special):
         with np.errstate(all="ignore"):
             inverse = {"coth": np.tanh, "csch": np.sinh}
             parts = cls._by_terms(x, n, lambda f: 1 / inverse[f](x) if f in inverse else getattr(np, f)(x))
-            coefficients = [int(c.p) / int(c.q) for c in cls._taylor(n, _DOUBLE + 2 * n + 8)]
+            coefficients = [int(c.p) / int(c.q) for c in cls._taylor(n, DOUBLE_BITS + 2 * n + 8)]
             series = np.polynomial.polynomial.polyval(x, coefficients)
             return np.asarray(np.where(np.abs(x) < _SERIES_RADIUS, series, parts))
 

@@ -14,10 +14,11 @@ from uncertainties import correlation_matrix, ufloat, ufloat_fromstr
 from uncertainties.core import NegativeStdDev
 
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.numbers import SAME
 from stickslip_sym.core.units import si_number
 
 _WITH_ERROR = re.compile(r"\+/?-|±|\(")
-_CORRELATION_DIGITS = 9  # of correlations that count as equal: files keep them to rounding
+_CORRELATION_DIGITS = -round(math.log10(SAME))  # of correlations that count as equal: files keep them to rounding
 _EXAMPLES = "write it like 0.50+/-0.02 or 0.50(2)"
 
 

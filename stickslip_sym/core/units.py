@@ -48,7 +48,6 @@ _NUMBER = re.compile(
     rf"\(?(?:(?P<value>[-+]?{_SIZE})(?:\s*(?:\+/-|±)\s*(?P<error>{_SIZE}))?"
     rf"|(?P<digits>[-+]?{_DECIMAL})\s*\((?P<last>\d+)\))\)?"
 )
-_DIGITS_OF_QUOTIENT = 40  # of a number that no decimal is
 
 
 def dimensions(text: str) -> tuple[Fraction, tuple[int, ...]] | None:
@@ -191,7 +190,7 @@ def share_unit(last: str, first: str) -> str:
 
 def _number_text(number: Fraction, *, decimal: bool = False) -> str:
     """Return a number as the decimal that it is, or a quotient, or else a decimal of many digits."""
-    quotient = Context(prec=_DIGITS_OF_QUOTIENT).divide(Decimal(number.numerator), Decimal(number.denominator))
+    quotient = Context().divide(Decimal(number.numerator), Decimal(number.denominator))
     if decimal or Fraction(quotient) == number:
         return str(quotient)
     return f"{number.numerator}/{number.denominator}"

@@ -13,9 +13,6 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Substitution
 from stickslip_sym.core.balls import ball, ball_value, number_at
 
-_FARTHER = 1.25  # times, each step of a logarithm down to where an exponential counts for nothing
-_LEAST_DEGREE = 2  # in log(v), of an exponent: one of degree 1 is a power of v
-
 
 @dataclass(frozen=True)
 class Decay:
@@ -70,7 +67,7 @@ class DecayInLogarithm:
         step = arb(1)
         wanted = self.exponent(top) - bits * arb.const_log2()
         while not (self.exponent(top - step) < wanted and self.rises_below(top - step, arb(0))):
-            step *= _FARTHER
+            step *= 2
         return (top - step).exp().mid()
 
 
@@ -80,7 +77,7 @@ def _decay_in_logarithm(node: Expr, point: Substitution) -> DecayInLogarithm | N
         return None
     logarithm = sp.log(symbols.v)
     exponent = sp.expand(sp.expand_log(node.exp, force=True))
-    if not exponent.is_polynomial(logarithm) or sp.Poly(exponent, logarithm).degree() < _LEAST_DEGREE:
+    if not exponent.is_polynomial(logarithm) or sp.Poly(exponent, logarithm).degree() <= 1:  # a power of v
         return None
     coefficients = sp.Poly(exponent, logarithm).all_coeffs()[::-1]
     if any(c.has(symbols.v) or c.free_symbols - point.keys() for c in coefficients):

@@ -22,7 +22,7 @@ from stickslip_sym.core.aliases import Expr, Rational, Substitution
 from stickslip_sym.core.balls import BallFunction, Point, ball, ball_function, ball_value, integrated
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.numbers import Number, fraction
-from stickslip_sym.core.precision import refined, working_precision
+from stickslip_sym.core.precision import GUARD_BITS, refined, working_precision
 from stickslip_sym.criteria.criterion import Criterion, CriterionName
 from stickslip_sym.criteria.decay import bound_below, start_of, vanishing
 from stickslip_sym.criteria.quadrature import MOST_DIGITS, MOST_DIGITS_LOST, read_operating_point
@@ -33,8 +33,7 @@ from stickslip_sym.model.taylor_model import balls_from_rest
 from stickslip_sym.output.data import DataResult
 
 _BITS_PER_DIGIT = math.log2(10)  # per digit
-_BITS_OF_ENDS = 64  # bits with which an end is written, beyond those of the middle
-_MOST_BITS_LOST = math.ceil(MOST_DIGITS_LOST * _BITS_PER_DIGIT) + _BITS_OF_ENDS  # that are followed
+_MOST_BITS_LOST = math.ceil(MOST_DIGITS_LOST * _BITS_PER_DIGIT) + GUARD_BITS  # that are followed
 _EXTREME = 100_000  # bits, beyond which an end is rounded outwards instead of written in full
 _DIGITS_WITHOUT_CERTAINTY = 3  # digits of an end of an enclosure without a certain digit
 _BITS_FINER_THAN_RADIUS = 4  # bits, by which ends of an enclosure are finer than its radius
@@ -165,7 +164,7 @@ def enclosure_of(value: arb) -> Enclosure:
     NotConverged
         For an end beyond 2^100000.
     """
-    with working_precision(int(value.mid().man_exp()[0]).bit_length() + _BITS_OF_ENDS):
+    with working_precision(2 * _EXTREME):  # so the ends are exact
         return Enclosure(_exact_end(value.lower(), -1), _exact_end(value.upper(), 1))
 
 

@@ -18,7 +18,7 @@ from stickslip_sym.core.aliases import Expr, Mpf, Rational
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.numbers import Number, binary_fraction, exact, require_type
-from stickslip_sym.core.precision import mp, own_mpf, rounded
+from stickslip_sym.core.precision import GUARD_BITS, mp, own_mpf, rounded
 from stickslip_sym.criteria.criterion import Criterion, CriterionName, find
 from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.expression.transitions import transitions
@@ -41,17 +41,13 @@ __all__ = ["MOST_DIGITS", "average", "damping", "read_operating_point"]
 Function: TypeAlias = Callable[[Mpf], Mpf]
 
 MOST_DIGITS = 10_000  # of a result
-_GUARD_DIGITS = 10  # digits beyond those asked for, against rounding in the sum
+_GUARD_DIGITS = int(GUARD_BITS * math.log10(2))  # digits beyond those asked for, against rounding in the sum
 MOST_DIGITS_LOST = 400  # digits of cancellation in an integral that are followed before it counts as zero
 _MOST_LOST_IN_SLOPE = 5 * MOST_DIGITS_LOST  # of a slope, which costs a few values of mu only
 _MOST_PANELS = 240  # that are looked at
 _PANEL_RATIO = 4  # times, each panel beside a narrow one
-_ORDERS_PER_DIGIT_AT_REST = 4
-"""Times the digits asked for: decimal orders below the belt speed, as near as rest itself."""
-_STRETCHING = 8  # the least power of the variable where mu is infinite at v = 0
-_MOST_STRETCHING = 1000
-_ORDERS_BELOW_BELT_SPEED = 50
-"""And twice that: decimal orders below V at which a coefficient is seen to be integrable."""
+_ORDERS_AT_REST = 4
+"""Times the digits of a number: decimal orders below the belt speed, as near as rest itself."""
 _NODES_OF_LOOKS = ((1 + grid(5).nodes) / 2).tolist()  # of the way through a panel, where its size is looked at
 
 
@@ -122,7 +118,7 @@ def _recover_lost_digits(mu: Function, order: int, speed: Mpf) -> Function:
     """
 
     def refined(v: Mpf) -> Mpf:
-        beside = v or speed * mp.mpf(10) ** (-_ORDERS_PER_DIGIT_AT_REST * mp.dps)
+        beside = v or speed * mp.mpf(10) ** (-_ORDERS_AT_REST * mp.dps)
         lost = order * max(0, int(mp.log(speed / beside, 10)) + 1)
         with mp.workdps(mp.dps + lost):
             value = mu(beside)
@@ -205,9 +201,7 @@ def _require_integrable(mu: Function, criterion: Criterion, speed: Expr) -> None
     with mp.workdps(_GUARD_DIGITS + 15):
         near, nearer = (
             abs(mu(v)) * v ** own_mpf(order)
-            for v in (
-                own_mpf(speed) * mp.mpf(10) ** -k for k in (_ORDERS_BELOW_BELT_SPEED, 2 * _ORDERS_BELOW_BELT_SPEED)
-            )
+            for v in (own_mpf(speed) * mp.mpf(10) ** -k for k in (2 * mp.dps, _ORDERS_AT_REST * mp.dps))
         )
         grows = nearer > near * (mp.mpf("1.01") if order == 0 else mp.mpf("0.5"))
     if grows and nearer > 0:
@@ -273,23 +267,21 @@ def _integral_by_parts(
             return integrand(y**power) * power * y ** (power - 1)
         return mp.mpf(0)
 
-    power = _STRETCHING
+    power = 1
     if singular:
         # In y, x = y^power, what is infinite at x = 0 but integrable vanishes at y = 0, or almost.
-        near, nearer = (
-            ends[-1] * mp.mpf(10) ** -k for k in (_ORDERS_BELOW_BELT_SPEED, 2 * _ORDERS_BELOW_BELT_SPEED)
-        )
+        near, nearer = (ends[-1] * mp.mpf(10) ** -k for k in (mp.dps, 2 * mp.dps))
         values = [abs(integrand(x)) for x in (near, nearer)]
         steepness = 0
         if all(values):
             steepness = mp.log(values[1] / values[0]) / mp.log(near / nearer)
         if 0 < steepness < 1:
-            power = max(power, min(int(1 / (1 - steepness)), _MOST_STRETCHING))
+            power = 1 + int(1 / (1 - steepness))
         ends = [mp.root(end, power) for end in ends]
     panels = pairwise(ends)
     parts = [_adaptive(stretched if singular else integrand, *panel, tolerance, rule) for panel in panels]
     if singular:
-        rest = V * mp.mpf(10) ** (-4 * mp.dps)
+        rest = V * mp.mpf(10) ** (-_ORDERS_AT_REST * mp.dps)
     else:
         rest = mp.mpf(0)
     low, high = criterion.ends

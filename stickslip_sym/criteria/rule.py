@@ -6,6 +6,7 @@ has narrow pieces or kinks. Jumps of mu are added. The slopes have to add up to 
 not is part of the error.
 """
 
+import math
 from collections.abc import Callable, Iterable
 from functools import lru_cache, partial
 from itertools import chain
@@ -17,12 +18,12 @@ from numpy.typing import ArrayLike
 
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.numbers import SAME
+from stickslip_sym.core.numbers import EPSILON, ROUNDING, SAME
 from stickslip_sym.criteria.criterion import Criterion, harmonic
 from stickslip_sym.model.bound import BoundLaw
-from stickslip_sym.model.table import RISE_RTOL, FrictionTable
+from stickslip_sym.model.table import AT_ONCE, RISE_RTOL, FrictionTable
 
-_OCTAVES_TO_REST = 40  # of the phase, to which panels shrink towards rest
+_OCTAVES_TO_REST = round(-math.log2(AT_ONCE) / 2)  # of the phase, whose square is a slip speed
 _PANEL_NODES = 16
 _MOST_PARTS = 64  # of a panel: falls within a thousandth of their own speed are resolved
 _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(_PANEL_NODES)
@@ -35,8 +36,7 @@ Slope: TypeAlias = Callable[[FloatArray], FloatArray]
 _Others: TypeAlias = tuple[Criterion, FrictionTable, bool, tuple[float, ...]]
 _Three: TypeAlias = tuple[FloatArray, FloatArray, FloatArray]
 _Four: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
-_ROUNDING_OF_AVERAGE = 1e-14  # of the average of abs(mu')
-_ROUNDING_OF_MU = 8 * np.finfo(np.float64).eps  # of mu: what rises are not known to
+_ROUNDING_OF_MU = 8 * EPSILON  # of mu: what rises are not known to
 
 
 def gauss_average(
@@ -92,7 +92,7 @@ def _slope_at_belt_speed(slope: Slope, kinks: Iterable[float], V: FloatArray) ->
     for kink in kinks:
         at = kink == V
         value[at] = (slope(np.nextafter(V[at], 0.0)) + slope(np.nextafter(V[at], np.inf))) / 2
-    return -value, _ROUNDING_OF_AVERAGE * np.abs(value), np.abs(value)
+    return -value, ROUNDING * np.abs(value), np.abs(value)
 
 
 def _settled_average(slope: Slope, V: FloatArray, A: FloatArray, *others: *_Others) -> _Three:
@@ -109,7 +109,7 @@ def _settled_average(slope: Slope, V: FloatArray, A: FloatArray, *others: *_Othe
         error[again] = np.abs(finer - average[again])
         average[again] = finer
         again = again[~(error[again] <= SAME * np.abs(finer))]
-    return average, error + off + _ROUNDING_OF_AVERAGE * size, size
+    return average, error + off + ROUNDING * size, size
 
 
 def _sum_over_panels(

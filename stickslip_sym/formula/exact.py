@@ -19,7 +19,7 @@ from stickslip_sym.core.balls import ball_value
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.functions import arguments, write_sech
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.precision import ball_of_mpmath, middle_in_mpmath, mp, refined, rounded
+from stickslip_sym.core.precision import GUARD_BITS, ball_of_mpmath, middle_in_mpmath, mp, refined, rounded
 from stickslip_sym.criteria.quadrature import MOST_DIGITS
 from stickslip_sym.model.leading_terms import symbolic_limit_at_rest
 from stickslip_sym.numerics.known import Unknown
@@ -29,7 +29,6 @@ _MOST_EXACT_BITS = math.ceil(MOST_DIGITS * math.log2(10))
 _BITS_RATIO_TO_PARTS = 4
 """Times the bits asked for, before a formula is taken apart by exact arithmetic, which takes long."""
 _LONGEST_SERIES = 1e4  # an argument from where as many terms cancel, for which mpmath has no asymptotic series
-_BITS_OF_SECOND_LOOK = 64  # bits by which the second look of mpmath is more precise
 
 
 def to_digits(expr: Expr, point: Substitution, digits: int) -> Mpf:
@@ -105,7 +104,7 @@ def _evaluate_by_mpmath(node: Expr, arguments: list[acb]) -> acb:
                     step = mp.mpc(radius, radius) if argument.imag != 0 else radius
                     moved = [value([*places[:i], places[i] + way * step, *places[i + 1 :]]) for way in (1, -1)]
                     error += 2 * sum(abs(value - rough) for value in moved)
-        with mp.workprec(ctx.prec + _BITS_OF_SECOND_LOOK):
+        with mp.workprec(ctx.prec + GUARD_BITS):
             fine = value(places)
             error += 2 * abs(fine - rough)
     except mp.NoConvergence as failure:

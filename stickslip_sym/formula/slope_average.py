@@ -1,7 +1,6 @@
 """`slope_average`: a criterion of any law as a fast function, closed form or not."""
 
 import math
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from fractions import Fraction
@@ -18,7 +17,7 @@ from stickslip_sym.core.aliases import BoolArray, Condition, FloatArray, Mpf, Nu
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.names import suggestion
-from stickslip_sym.core.numbers import binary_fraction, read_array
+from stickslip_sym.core.numbers import DOUBLE_DIGITS, NEGLIGIBLE, binary_fraction, read_array
 from stickslip_sym.core.precision import mp, own_mpf, rounded
 from stickslip_sym.core.remedies import Argument, Call
 from stickslip_sym.criteria.criterion import Criterion, CriterionName, find
@@ -39,11 +38,7 @@ OnInvalid = Literal["raise", "nan"]
 
 _ELEMENTS_IN_CACHE = 16000
 """Elements: the arrays of a block stay in the cache, below 128 kB, from where each is a system call."""
-_BALL_DIGITS = sys.float_info.dig + 2  # of a value by balls: as many tell any two floats apart
 _LARGEST_DOUBLE = float(np.finfo(np.float64).max)
-_ZERO = Fraction(1, 2**60)  # of the mean size of the slope: an enclosure around 0 that is narrower is that of 0
-_ALLOWED_OVER_SIZE = 8.0
-"""The same over the mean size of the slope, the unit of errors, from where balls are asked."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +72,7 @@ class SlopeAverage(TermSum, DataResult, by_identity=True):
         middle = enclosure.mid
         if enclosure.low * enclosure.high <= 0:  # 0, or what 400 digits leave open
             values = [float(point[symbol]) for symbol in self.arguments.values()]
-            if not enclosure.radius <= _ZERO * Fraction(float(self._unit(values)[0])):
+            if not enclosure.radius <= Fraction(NEGLIGIBLE * float(self._unit(values)[0])):
                 raise NotConverged(
                     f"the {self.criterion.name} criterion of {self.law.text} is not enclosed at "
                     f"V = {float(point[symbols.V]):g}: all that is known is {enclosure}"
@@ -276,7 +271,7 @@ class SlopeAverage(TermSum, DataResult, by_identity=True):
     def _unit(self, values: Sequence[Numbers]) -> FloatArray:
         """Return the size of terms that N <|mu'|> allows: where the slope itself cancels, they are larger."""
         speed, force, *rest = (np.atleast_1d(np.asarray(value, dtype=np.float64)) for value in values)
-        unit = np.asarray(_ALLOWED_OVER_SIZE * force * self._mean_slope(speed, *rest))
+        unit = np.asarray(CANCELLED * force * self._mean_slope(speed, *rest))
         return np.where(np.isfinite(unit), unit, 0.0)  # what is beyond floats measures nothing
 
     def _by_balls(self, values: Sequence[float]) -> float:
@@ -284,7 +279,7 @@ class SlopeAverage(TermSum, DataResult, by_identity=True):
         for term in self.functions:
             term.require_reach(values)
         try:
-            value = float(self._exactly(point, _BALL_DIGITS)) + 0.0
+            value = float(self._exactly(point, DOUBLE_DIGITS)) + 0.0
         except NotConverged:  # as where mu is infinite at v = 0; branches know its power there
             for term in self.functions:
                 term.ask_for_branches(values)

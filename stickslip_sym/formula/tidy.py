@@ -10,7 +10,6 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.formula.proof.normal_form import plain
 
 _MOST_FACTORED_OPERATIONS = 1500  # operations of an expression that is still factored
-_MOST_FUNCTIONS = 12  # in it, each a variable of the polynomial to factor
 
 
 def tidy(expr: Expr, model: Expr, small: Expr) -> Expr:
@@ -31,7 +30,7 @@ def tidy(expr: Expr, model: Expr, small: Expr) -> Expr:
             functions.setdefault(node, sp.Dummy(f"f{len(functions)}", real=True))
             walk.skip()
     opaque = expr.xreplace(functions)
-    if len(functions) > _MOST_FUNCTIONS or opaque.count_ops() > _MOST_FACTORED_OPERATIONS:
+    if opaque.count_ops() > _MOST_FACTORED_OPERATIONS:
         return expr
     order = [functions[node] for node in sorted(functions, key=sp.default_sort_key)]
     shapes = (

@@ -19,9 +19,10 @@ import sympy as sp
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Substitution
-from stickslip_sym.core.balls import NUMBER_BITS, number_at
+from stickslip_sym.core.balls import number_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import FUNCTIONS, Function, elementary, fold, power, write_erfcx
+from stickslip_sym.core.numbers import NUMBER_BITS
 from stickslip_sym.core.special import Erfcx
 from stickslip_sym.model.expression.pieces import kinked
 from stickslip_sym.model.formula_algebra import RECIPROCALS, FormulaAlgebra, NotAnalytic, is_multiplied_out
@@ -32,7 +33,7 @@ Values: TypeAlias = tuple[tuple[Expr, Expr], ...]
 Order: TypeAlias = tuple[Expr, Expr]
 """The exponents e and n of x^e L^n."""
 
-_POWERS = (0, 3, 12)
+_MOST_POWERS = 12
 """Up to which a function is expanded: its value decides most limits, powers what remains where others cancel."""
 _CONSTANT: Order = (sp.S.Zero, sp.S.Zero)
 _LOGARITHM: Order = (sp.S.Zero, sp.S.One)
@@ -362,7 +363,7 @@ def ask_leading_terms(
     values = tuple((point or {}).items())
     reason: Exception = NotAnalytic("it was not asked")
     written = elementary(write_erfcx(expr) if far else expr)
-    for count, multiplied_out in product(_POWERS, (False, True)):
+    for count, multiplied_out in product((0, _MOST_POWERS // 4, _MOST_POWERS), (False, True)):
         try:
             shape = sp.expand(written) if multiplied_out else written
             return answer(_expand_in_letters(shape, values, count, far))

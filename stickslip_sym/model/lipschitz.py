@@ -15,12 +15,13 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.balls import ball, ball_function
 from stickslip_sym.core.functions import must_be_positive
+from stickslip_sym.core.numbers import DOUBLE_BITS
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.expression.pieces import jumps
 from stickslip_sym.numerics.subdivide import shown
 
-BITS_OF_SIGNS = 64
+BITS_OF_SIGNS = DOUBLE_BITS
 """The precision with which a sign is shown that is far from changing."""
 _MOST_CUTS = 400  # of a range on which a sign is shown
 _speed = sp.Symbol("v", positive=True)

@@ -5,12 +5,11 @@ import warnings
 import numpy as np
 
 from stickslip_sym.core.errors import InputWarning
-from stickslip_sym.core.numbers import SAME
+from stickslip_sym.core.numbers import LARGEST, SAME
 from stickslip_sym.model.bound import BoundLaw
 
 _SPEED_GRID = np.union1d(np.geomspace(1e-9, 1, 300), np.linspace(0, 1, 4001)[1:])
 """Speeds over the last; at 0 itself the logarithm of rate and state has no value."""
-_LARGEST_SPEED = 1e300  # m/s, short of overflow
 
 
 def lowest(law: BoundLaw, end: float) -> tuple[float, float]:
@@ -19,7 +18,7 @@ def lowest(law: BoundLaw, end: float) -> tuple[float, float]:
     A dip to below 0 that is narrower than a 4000th of `end` may be missed.
     """
     end = min(end, law.reach)
-    speeds = min(end, _LARGEST_SPEED) * _SPEED_GRID
+    speeds = min(end, LARGEST) * _SPEED_GRID
     mu = law.at_speeds(speeds)
     if not np.isfinite(mu).any():
         return end, float("nan")

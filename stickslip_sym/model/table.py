@@ -35,7 +35,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray, IntArray, Substitution
 from stickslip_sym.core.balls import BallFunction, ball_function
 from stickslip_sym.core.errors import InputError, NotConverged
-from stickslip_sym.core.numbers import SAME
+from stickslip_sym.core.numbers import DOUBLE_BITS, EPSILON, LARGEST, LEAST_RTOL, SAME
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.core.remedies import Argument, Remedy
 from stickslip_sym.model.at_rest import Rising
@@ -59,28 +59,27 @@ from stickslip_sym.numerics.subdivide import (
 FARTHEST = 1e20
 """The slip speed in m/s at which a table ends at the latest: a motion that comes so far grows without bound."""
 
-RISE_RTOL = 1e-13
+RISE_RTOL = LEAST_RTOL
 """The relative error of a rise in its table."""
 TABLE_DEGREE = 14  # 15 nodes resolve about an octave of an analytic law to rounding
 _LOWEST = 1 / FARTHEST**2  # m/s; a law that is singular at rest, as sqrt(v), is a straight line below
 _TAIL_SIZE = 1e-15
 """Of the last two Chebyshev coefficients, relative to the largest value: what they leave out is less."""
 _RISE_NOISE = 4 * _TAIL_SIZE  # relative error of the first polynomial, and of mu where a rise is a difference
-_VANISHES = 4e-16  # of the largest coefficient at rest: where mu has no slope at 0, rounding is none either
+_VANISHES = 2 * EPSILON  # of the largest coefficient at rest: where mu has no slope at 0, rounding is none either
 _INTERVALS_AN_OCTAVE = 512
 """Intervals within an octave: a table ends where there would be more; as many are looked at at a time."""
 _HALVINGS_TO_NOISE = 4  # halvings, after which what is left may be noise of a rise computed as a difference
-_LEAST_RELATIVE_WIDTH = 1e-13  # relative width of an interval that is not halved again
-_POLE = 1e6  # a coefficient on the narrowest interval as high as that is a pole's
+_POLE = 1 / math.sqrt(LEAST_RTOL)  # a coefficient on the narrowest interval as high as that is a pole's
 _TRANSITION_WIDTHS = 2.0  # widths of a transition, and distances from it, an interval is wide at most
 _NARROW_OVER_SPEED = 0.125  # times its own speed: an octave halved that often may hide from a grid of phases
 _LEAP = 1 / 32  # times its own speed: the stages of the longest steps meet whatever is wider
-_STEEPER = 4.0  # times the steepest slope of a polynomial: balls are larger than what they hold
-_AT_ONCE = 1e-24  # times V: slip comes to that speed within 1e-12/omega, in which nothing happens
+STEEPER = 4.0  # times the steepest slope of a polynomial: balls are larger than what they hold
+AT_ONCE = SAME**2
+"""Times V: slip comes to that speed within 1e-12/omega, in which nothing happens."""
 _CUTS = 3  # halvings of the ball over an interval, to bring it closer to what it holds
 _RISE_OF_NO_ACCOUNT = 100.0  # times the level of the last coefficients: a rise of no account, however steep
-_TINY = 1e-290  # a rise where floats underflow
-_BALL_BITS = 200  # working precision of balls: 1 - exp(-v) has digits down to `_LOWEST`
+_BALL_BITS = DOUBLE_BITS + round(-math.log2(_LOWEST))  # 1 - exp(-v) has digits down to there
 
 _CHEBYSHEV_GRID = grid(TABLE_DEGREE + 1)
 _AT_REST = np.array(
@@ -251,7 +250,7 @@ class FrictionTable:
         """Return the rise as a function of w = v/V, as lists for plain Python or as arrays for compiled code."""
         pieces = self.pieces / np.array([V, V, 1 / V, *np.ones(TABLE_DEGREE + 1)])
         landings = self._landings
-        landings = landings[self.pieces[landings, 0] > _AT_ONCE * V]
+        landings = landings[self.pieces[landings, 0] > AT_ONCE * V]
         firsts = np.unique(np.concatenate([self.firsts, landings]))
         levels = np.append(self.pieces[firsts[:-1], 0], self.end) / V
         jumps = np.zeros(len(firsts) - 1)
@@ -372,12 +371,12 @@ class _Segment:
         coefficients = values @ _CHEBYSHEV_GRID.coefficients
         fits = (tail(coefficients, 2) <= level) & ~self.hides(low, high)
         # By so much mu may rise from end to end of an interval on which the polynomial shows all of it.
-        steepest = _STEEPER * 2 * np.abs(values @ _CHEBYSHEV_GRID.slopes).max(axis=1)
-        steepest += _RISE_OF_NO_ACCOUNT * (level + _TAIL_SIZE * reached[octaves]) + _TINY
+        steepest = STEEPER * 2 * np.abs(values @ _CHEBYSHEV_GRID.slopes).max(axis=1)
+        steepest += _RISE_OF_NO_ACCOUNT * (level + _TAIL_SIZE * reached[octaves]) + 1 / LARGEST
 
         powers = coefficients @ _CHEBYSHEV_GRID.powers
         for i, one in enumerate(intervals):
-            if one.high - one.low <= _LEAST_RELATIVE_WIDTH * one.high:
+            if one.high - one.low <= LEAST_RTOL * one.high:
                 is_known = fits[i] or scale[i] < _POLE * (1 + abs(self.onset))
             elif fits[i] and self.is_sure(one.low, one.high, steepest[i] / (one.high - one.low)):
                 is_known = True
@@ -491,7 +490,7 @@ def _first(segment: _Segment) -> tuple[FloatArray, float]:
     coefficients = (values / nodes) @ _CHEBYSHEV_GRID.coefficients
     largest = np.abs(values / nodes).max(axis=1)
     fits = (tail(coefficients, 2) <= _TAIL_SIZE * largest) & ~segment.hides(0 * widths, widths)
-    steepest = _STEEPER * np.abs(values @ _CHEBYSHEV_GRID.slopes).max(axis=1) * 2 / widths
+    steepest = STEEPER * np.abs(values @ _CHEBYSHEV_GRID.slopes).max(axis=1) * 2 / widths
     for noise in (0.0, _RISE_NOISE * abs(onset)):  # a rise that had to be computed as a difference has it
         own = (
             np.abs(nodes * (coefficients @ _CHEBYSHEV_GRID.polynomials) - values)

@@ -24,20 +24,17 @@ from stickslip_sym.core.aliases import Expr, FloatArray, Substitution
 from stickslip_sym.core.balls import BallFunction, ball_function, number_at
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import fold
+from stickslip_sym.core.numbers import DOUBLE_BITS, NEGLIGIBLE
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.model.formula_algebra import Bound, ExpansionAlgebra, NotAnalytic
 from stickslip_sym.model.leading_terms import has_limit_at_rest
 
 _MOST_TERMS = 160  # of a polynomial: more precision than they give is asked for in thousands of digits only
-_FINEST_UNIT = 24  # of v: one power of v takes so many terms, and a finer unit leaves too few powers
 _CIRCLE_RATIO = 2  # times the size of an argument: the circle on which a function is bounded
 _RADII = 12  # halvings of the radius that are tried
-_SHARE_OF_RADIUS_INSIDE = 0.25  # of the radius: within it the remainder is below 2^(-3 terms)
-_INSIDE_IN_FLOATS = _SHARE_OF_RADIUS_INSIDE**2  # within which floats need few terms
-_BITS_OF_FLOATS = 128
-_COEFFICIENT_OF_NO_ACCOUNT = (
-    2.0**-60
-)  # of the largest coefficient: below it a coefficient that may be 0 is 0 to floats
+SHARE_OF_RADIUS = 0.25
+"""Of that for which a bound is known, within which a series is used: each term gains two bits."""
+_INSIDE_IN_FLOATS = SHARE_OF_RADIUS**2  # within which floats need few terms
 
 
 @dataclass(frozen=True)
@@ -173,7 +170,7 @@ class TaylorModel:
 
     def within(self, v: acb) -> bool:
         """Whether slip speeds are so low that the series is as good as its precision."""
-        return bool(v.abs_upper() <= (_SHARE_OF_RADIUS_INSIDE * self.radius) ** self.unit)
+        return bool(v.abs_upper() <= (SHARE_OF_RADIUS * self.radius) ** self.unit)
 
     def ball(self, v: acb, analytic: bool) -> acb:
         """Return a ball around the values at slip speeds within the radius."""
@@ -253,7 +250,7 @@ def _model_with_pole(expr: Expr, point: Substitution, bits: int) -> TaylorModel 
     """Return the model of a function that may have a pole at v = 0."""
     unit = unit_of_powers(expr, point)
     count = min(bits // 3 + 10, _MOST_TERMS)
-    if unit > _FINEST_UNIT:
+    if unit > count:  # no power of v would be left
         return None
     for halvings in range(_RADII):
         radius = (arb(_lowest_scale(expr, point)) / 2**halvings).root(unit)
@@ -283,17 +280,14 @@ def coefficient_near_rest(expr: Expr, point: Substitution) -> tuple[float, RestP
 
     That is the slip speed up to which it holds, and a polynomial in v^(1/unit) with unit and coefficients.
     """
-    with working_precision(_BITS_OF_FLOATS):
+    with working_precision(2 * DOUBLE_BITS):
         direct = ball_function(expr, symbols.v, point)
         if direct(acb(0), False).is_finite() or (model := taylor_model(expr, point)) is None:
             return None
         reach = float(model.radius) * _INSIDE_IN_FLOATS
         coefficients = [float(c) for c in model.polynomial]
         largest = max(abs(c) * reach**k for k, c in enumerate(coefficients))
-        kept = [
-            c if abs(c) * reach**k > _COEFFICIENT_OF_NO_ACCOUNT * largest else 0.0
-            for k, c in enumerate(coefficients)
-        ]
+        kept = [c if abs(c) * reach**k > NEGLIGIBLE * largest else 0.0 for k, c in enumerate(coefficients)]
         return reach**model.unit, RestPolynomial(model.unit, tuple([0.0] * model.low + kept))
 
 

@@ -117,16 +117,12 @@ def _states(rise: Rise, columns: Any, field: Field, rtol: float, rows: Any) -> N
             rows[i, 0], rows[i, 1] = step.q, step.w
 
 
-_FAR_OUT = 1e12  # slip speed over the belt's, beyond every feature of a law: it stands for all that are higher
 _FEW_SLIPS, _FEW_STATES = (
     8,
     1000,
 )  # slips, and states, up to which plain Python is as fast as loading compiled code
 _SLIPS_A_BATCH = 4000  # slips that a thread takes at once, mostly some hundredths of a second compiled
-_SLIPS_BEFORE_LOOK, _BETWEEN_LOOKS = (
-    1,
-    0.05,
-)  # slips before the first look at a time limit, and seconds between two looks
+_BETWEEN_LOOKS = 0.05  # seconds between two looks at a time limit
 
 
 @dataclass(frozen=True)
@@ -214,10 +210,10 @@ class NondimensionalOscillator:
     @property
     def friction_far_out(self) -> float:
         """mu(V w)/w at slip speeds beyond every feature of the law; 0 if it is measured up to a speed."""
-        v = min(_FAR_OUT * self.V, self.table.end)
         if math.isfinite(self.table.reach):
             return 0.0
-        return (self.table.onset + self.table.rise(v)) * self.V / v
+        end = self.table.end
+        return (self.table.onset + self.table.rise(end)) * self.V / end
 
     def slip_speed(self, q: Any, u: Any) -> tuple[Any, Any]:
         """Return w and side for velocities u over the belt's; at the belt's speed, to where the mass leaves."""
@@ -349,7 +345,7 @@ class NondimensionalOscillator:
 
         def carry_out(some: slice) -> bool:
             low = some.start
-            count = _SLIPS_BEFORE_LOOK if fast and time_left() < math.inf else length
+            count = 1 if fast and time_left() < math.inf else length
             while low < some.stop and not (low and is_late()):
                 motions = slice(low, min(low + count, some.stop))
                 begin = time_left()

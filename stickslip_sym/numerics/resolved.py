@@ -20,6 +20,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from stickslip_sym.core.aliases import FloatArray, Span
+from stickslip_sym.core.numbers import LARGEST
 from stickslip_sym.numerics.chebyshev import derivative_coefficients, grid, polynomial_values, real_roots, tail
 from stickslip_sym.numerics.known import Column, Unknown
 from stickslip_sym.numerics.subdivide import (
@@ -44,8 +45,8 @@ _ERROR_THAT_HIDES_ROOTS = 1e3  # times what was asked for, above which an error 
 _HIDES = 1e-2  # if it is larger than this part of what the values on a piece range over
 _LEFT_OUT_BESIDE_ROOTS = 1e-3
 """Of its largest value, that a polynomial with a root may leave out where only roots are sought."""
-_ERRORS_OF_TURNS = 10.0  # times what it leaves out, that its extrema and ends are then
-_LARGEST_DISTANCE = 1e300  # from a value, that a bisection is to see
+ERRORS_OF_CLEAR_SIGN = 10.0
+"""Errors of two values, between which the sign of their difference is certain."""
 _STRIDES = 2.0  # of the largest steps between samples of an interval, by which it may go beyond them
 
 Sampled: TypeAlias = Callable[[FloatArray], Column]
@@ -201,7 +202,7 @@ class Resolved:
                 sides = {low.x: low.value, high.x: high.value}  # one each, where the function jumps there
 
                 def off(x: float, sides: dict[float, float] = sides) -> float:
-                    return min(max(sides.get(x, self(x)) - level, -_LARGEST_DISTANCE), _LARGEST_DISTANCE)
+                    return min(max(sides.get(x, self(x)) - level, -LARGEST), LARGEST)
 
                 x = low.x
                 if low.x < high.x:
@@ -326,7 +327,7 @@ def _sketched(low: float, high: float, row: Column, rtol: float) -> tuple[Decisi
     piece = Piece(low, high, coefficients, float(_ERRORS_OF_COEFFICIENT * row.errors.max() + last))
     sides = [turn.value for turn in piece.turns]
     largest = max(map(abs, sides))
-    limit = min(map(abs, sides)) / _ERRORS_OF_TURNS
+    limit = min(map(abs, sides)) / ERRORS_OF_CLEAR_SIGN
     if min(sides) < 0.0 < max(sides):
         limit = min(limit, _LEFT_OUT_BESIDE_ROOTS * largest)
     if piece.error <= limit:

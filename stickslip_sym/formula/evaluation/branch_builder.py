@@ -25,7 +25,7 @@ from stickslip_sym.core.aliases import Expr, FloatArray, Substitution
 from stickslip_sym.core.balls import ball
 from stickslip_sym.core.errors import NotConverged
 from stickslip_sym.core.functions import elementary
-from stickslip_sym.core.numbers import binary_fraction
+from stickslip_sym.core.numbers import EPSILON, LARGEST, NEGLIGIBLE, binary_fraction
 from stickslip_sym.core.precision import refined, working_precision
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion
@@ -66,27 +66,20 @@ from stickslip_sym.numerics.subdivide import (
 )
 
 # What each is worth, in seconds, panels and digits, `tests/benchmarks/measure_branches.py` prints.
-_EPSILON = float(np.finfo(np.float64).eps)
-_NEGLIGIBLE_OF_VALUE = 2.0**-57  # of a value: what a polynomial may leave out
 _CONDITION = {-1: 1.5, 1: 4.0}
 """Of a series at rest, and far out: the sum of its terms' sizes over the size of the sum, before balls decide."""
 _ALLOWED_UNITS = 2.75  # of eps <|g'|>, by which a formula may differ from balls
 _ALLOWED_IN_CODE = 16  # of the same, by which what is written as code may differ from the definition
 
-_WAVING = (5, 3)  # the same of a profile that waves for ever, whose table ends there
 _STEPS = 12  # octaves from a scale, or from a corner, within which a series begins to hold
-_LARGEST_COEFFICIENT = 2.0**960  # of a coefficient: its products with its power of r stay within range
 _MOST_DEFINITION_BITS = 5 * BITS  # for an enclosure of the definition: mu cancels by 2 bits an octave at rest
 _OCTAVES = (0.0, *(0.4 * 1.6**k for k in range(9)))
 """From the end of a series, at which it is compared with balls: the farther, the fewer terms are left."""
 
 _BRANCH_NODES = 19  # of a panel
-_SMOOTH = 0.5 * _EPSILON  # of <|g'|>: the last coefficients of a panel
-_PLACES_COMPARED = (-0.9999, 0.61803)
-"""From a panel's middle, over half its width: where it is compared with balls. Its very end may be a kink."""
+_SMOOTH = 0.5 * EPSILON  # of <|g'|>: the last coefficients of a panel
 _PANELS = 500  # at most; what takes more waves for ever
-_AT_KINK = 4 * _EPSILON  # relative: what products of a belt speed and powers of parameters are rounded by
-_NEAR_KINK = 1.25  # times r at a kink: up to there the panel's variable is the square root
+_AT_KINK = 4 * EPSILON  # relative: what products of a belt speed and powers of parameters are rounded by
 
 _POINTS_AN_OCTAVE = 16  # in an octave, at which a closed form is compared
 
@@ -135,10 +128,10 @@ def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Su
         else:  # where a jump of mu joins the average, by which rounding says on which side of it a speed is
             sides = [by_definition(arb(r) * (1 + arb(shift))) for shift in (-_AT_KINK, _AT_KINK)]
         size *= 1 if decay is None else 1 + decay.steepness(2 * r)
-        if not all(side.is_finite() and float(side.rad()) <= _EPSILON * size for side in sides):
+        if not all(side.is_finite() and float(side.rad()) <= EPSILON * size for side in sides):
             continue  # infinite at rest, or not enclosed: there is nothing to compare with
         exact = reduce(arb.union, sides)
-        if not float((exact - arb(value)).abs_lower()) <= _ALLOWED_IN_CODE * _EPSILON * size + SMALLEST:
+        if not float((exact - arb(value)).abs_lower()) <= _ALLOWED_IN_CODE * EPSILON * size + SMALLEST:
             return Verdict(Status.REFUTED, f"{value} at r = {r:g}, and by definition {float(exact)}")
         count += 1
     if not count:
@@ -240,10 +233,10 @@ class _Builder:
         if reach == math.inf:
             direct = self._direct(last[0] if last else self.highest * 2.0**OCTAVES_BEYOND_SCALES)
         if last is None and direct is None:
-            farthest = next(
-                (k for k in (OCTAVES_BEYOND_SCALES, *_WAVING) if self._is_tabulated(self.highest * 2.0**k)), None
-            )
-            if farthest is None:
+            farthest = OCTAVES_BEYOND_SCALES
+            while farthest and not self._is_tabulated(self.highest * 2.0**farthest):
+                farthest //= 2  # it may wave for ever: its table ends where few panels are enough for an octave
+            if not farthest:
                 return Unknown(f"{self.profile} varies too often for a table, and has no series far out")
             last = self.highest * 2.0**farthest, nothing
         outer = [pair for pair in (direct, last) if pair is not None]
@@ -259,11 +252,8 @@ class _Builder:
         return Branches(starts, branches)
 
     def _is_tabulated(self, r: float) -> bool:
-        """Whether few panels are enough in the octave up to a ratio, or it is as close as waves allow."""
-        halvings = math.inf
-        if r > self.highest * 2.0 ** _WAVING[0]:
-            halvings = 2
-        return not isinstance(attempted(self._panels, r / 2, r, None, halvings), Unknown)
+        """Whether few panels are enough in the octave up to a ratio."""
+        return not isinstance(attempted(self._panels, r / 2, r, None, halvings=2), Unknown)
 
     def _powers_alone(self) -> Branches | None:
         """Return the average of a sum of whole powers of v, or of one power, by the moments of the weight."""
@@ -379,7 +369,7 @@ class _Builder:
         """Return at how many of some r, from the first on, a branch agrees with balls."""
         with np.errstate(all="ignore"):
             values = np.asarray(value_of(branch, r))
-        allowed = _ALLOWED_UNITS * _EPSILON * np.fmax(self.values.mean_slope(r), np.abs(values)) + SMALLEST
+        allowed = _ALLOWED_UNITS * EPSILON * np.fmax(self.values.mean_slope(r), np.abs(values)) + SMALLEST
         for i, (x, value, most) in enumerate(zip(r, values, allowed, strict=True)):
             if not abs(float(self.values(arb(float(x))) - arb(float(value)))) <= most:
                 return i
@@ -388,7 +378,7 @@ class _Builder:
     def _table(self, start: float, stop: float) -> PanelTable | Unknown:
         """Fit F by a polynomial in each of some panels, as many as it takes."""
         halves = np.arange(np.floor(2 * np.log2(start)), np.ceil(2 * np.log2(stop)) + 1) / 2
-        inside = [*2.0**halves, *self.corners, *(_NEAR_KINK * corner for corner in self.corners)]
+        inside = [*2.0**halves, *self.corners]
         edges = [start, *sorted({float(x) for x in inside if start < x < stop}), stop]
         rows: list[list[float]] = []
         for left, right in pairwise(edges):
@@ -450,8 +440,8 @@ class _Builder:
         if self.local and not self.values.bounded(left, right, max(abs(float(x)) for x in values)):
             return HALVE
         powers = grid.powers(coefficients)
-        for t in _PLACES_COMPARED:
-            if not abs(float(powers(arb(t)) - value_at(arb(t)))) <= _ALLOWED_UNITS * _EPSILON * size:
+        for t in ((grid.nodes[0] - 1) / 2, (grid.nodes[-2] + grid.nodes[-1]) / 2):  # its very end may be a kink
+            if not abs(float(powers(t.mid()) - value_at(t.mid()))) <= _ALLOWED_UNITS * EPSILON * size:
                 return HALVE
         row = [float(powers[k]) for k in range(_BRANCH_NODES)]
         return Accept([left, math.nan if origin is None else origin, centre, 1 / half, *row])
@@ -489,7 +479,7 @@ def _terms_that_count(series: GeneralisedSeries, x: arb, unit: int, condition: f
         if not series.terms and series.top == math.inf:
             return {}
         return None
-    least = _NEGLIGIBLE_OF_VALUE * abs(total)
+    least = NEGLIGIBLE * abs(total)
     late = math.inf
     if series.top < math.inf:
         late = series.top - (series.top - series.low) / 4
@@ -502,7 +492,7 @@ def _terms_that_count(series: GeneralisedSeries, x: arb, unit: int, condition: f
         if rest > least:
             break
         kept.pop(key, None)
-    if all(1 / _LARGEST_COEFFICIENT < abs(float(c)) < _LARGEST_COEFFICIENT for c in kept.values()):
+    if all(SMALLEST < abs(float(c)) < LARGEST for c in kept.values()):
         return kept
     return None
 

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -18,8 +19,6 @@ import sympy as sp
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray, Numbers
 from stickslip_sym.core.lambdify import function_of, is_multiplied, power_of
-
-_BEFORE = 4  # the left end, the origin, the centre and 1/half the width of a panel stand before its coefficients
 
 
 def horner(coefficients: Sequence[float], z: Numbers) -> Numbers:
@@ -111,8 +110,9 @@ class PanelTable:
         return value * self._front(r)
 
     @cached_property
-    def _lists(self) -> list[list[float]]:
-        return [row.tolist() for row in self.rows]
+    def _panels(self) -> list[tuple[float, float, float, float, list[float]]]:
+        """The rows for floats, coefficients from the highest on."""
+        return [(*row[:4], row[:3:-1]) for row in self.rows.tolist()]
 
     @cached_property
     def _columns(self) -> list[FloatArray]:
@@ -124,10 +124,11 @@ class PanelTable:
 
     def _in_panel(self, r: Numbers) -> Numbers:
         if isinstance(r, float):
-            row = self._lists[max(bisect_right(self._lists, r, key=lambda row: row[0]) - 1, 0)]
-            y = ((r if math.isnan(row[1]) else math.sqrt(abs(r - row[1]))) - row[2]) * row[3]
-            value = row[-1]
-            for coefficient in row[-2 : _BEFORE - 1 : -1]:
+            number = max(bisect_right(self._panels, r, key=itemgetter(0)) - 1, 0)
+            _, begin, centre, scale, (highest, *others) = self._panels[number]
+            y = ((r if math.isnan(begin) else math.sqrt(abs(r - begin))) - centre) * scale
+            value: float = highest
+            for coefficient in others:
                 value = value * y + coefficient
             return value
         edges, origins, centres, scales, *coefficients = self._columns

@@ -18,19 +18,15 @@ from stickslip_sym.core.aliases import Expr, Substitution
 from stickslip_sym.core.balls import ball_function, rational
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import Function, elementary, fold, write_erfcx
+from stickslip_sym.core.numbers import NEGLIGIBLE
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.core.special import Erfcx
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.formula_algebra import Bound, ExpansionAlgebra, NotAnalytic
 
 _SERIES_TERMS = 30
-"""Terms of a series: (1/4)^30 < 2^-57, so that it holds up to a quarter of its radius of convergence."""
-_EXPONENT_STEP = (
-    2.0**-60
-)  # to both sides of an exponent, between which a mean has its finite part or its derivative
-_WORKING_BITS = round(
-    -4 * math.log2(_EXPONENT_STEP)
-)  # of working precision, for exponents of two that differ by that
+"""Terms of a series: (1/5)^30 < 2^-66, so that it holds up to a fifth of its radius of convergence."""
+_WORKING_BITS = round(-4 * math.log2(NEGLIGIBLE))  # of working precision, for exponents that differ by that
 
 _LIMITS: dict[type[Expr], tuple[int | None, int | None]] = {
     sp.exp: (0, None), sp.tanh: (-1, 1), sp.coth: (-1, 1), sp.sech: (0, 0), sp.csch: (0, 0), sp.erf: (-1, 1),
@@ -224,9 +220,9 @@ def _means(criterion: Criterion, exponent: arb) -> tuple[arb, arb]:
         return arb(1), arb(0)
     with working_precision(_WORKING_BITS):
         mean = _mean_power(criterion)
-        low, high, lower, higher = (mean(exponent + k * _EXPONENT_STEP) for k in (-1, 1, -2, 2))
+        low, high, lower, higher = (mean(exponent + k * NEGLIGIBLE) for k in (-1, 1, -2, 2))
         # Of A/e + B + C e, e being the distance from the exponent, B and C.
-        return ((low + high) / 2).mid(), ((2 * (higher - lower) - (high - low)) / (6 * _EXPONENT_STEP)).mid()
+        return ((low + high) / 2).mid(), ((2 * (higher - lower) - (high - low)) / (6 * NEGLIGIBLE)).mid()
 
 
 def average_near_rest(series: GeneralisedSeries, criterion: Criterion, unit: int) -> GeneralisedSeries:

@@ -25,12 +25,13 @@ from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.functions import arguments, write_sech
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.numbers import binary_fraction
+from stickslip_sym.core.numbers import DOUBLE_BITS, LARGEST, NEGLIGIBLE, SAME, binary_fraction
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.expression.canonical_form import HIGHEST_POWER_OF_V
 from stickslip_sym.model.expression.pieces import branch_from, jumps, kinks_at
 from stickslip_sym.model.expression.transitions import complex_zeros
+from stickslip_sym.model.table import STEEPER
 from stickslip_sym.model.taylor_model import balls_from_rest, coefficient_near_rest
 from stickslip_sym.numerics.chebyshev import gauss_grid
 from stickslip_sym.numerics.known import Unknown, required
@@ -47,29 +48,23 @@ from stickslip_sym.numerics.subdivide import (
     subdivide,
 )
 
-BITS = 110
+BITS = 2 * DOUBLE_BITS
 """The working precision of values."""
-SMALLEST = 2.0**-1000
+SMALLEST = 1 / LARGEST
 """What is less counts as 0: floats end there."""
 
 _PLACES = tuple(0.3 * 2.7**k for k in range(5))  # r at which a closed form is checked, over 1 or the largest one
-_AGREEMENT = 2.0**-40  # by which it agrees
 
 _PIECE_NODES = 32  # in a piece
-_PIECE_RTOL = 2.0**-66  # of the slope in a piece: its last two coefficients
-_INTEGRATED = math.sqrt(_PIECE_RTOL)  # in the innermost panel, where the rule alone counts: it has twice the order
-_NEGLIGIBLE = _PIECE_RTOL / 64  # of the moment of |g'|, or of the largest coefficient: what is left out
-_BITS_OF_CLOSED_FORM = 4 - math.log2(
-    _PIECE_RTOL
-)  # bits of relative accuracy that a value of the closed form needs
+_INTEGRATED = math.sqrt(NEGLIGIBLE)  # in the innermost panel, where the rule alone counts: it has twice the order
+_BITS_OF_CLOSED_FORM = -math.log2(NEGLIGIBLE)  # bits of relative accuracy that a value of the closed form needs
 _NOISE_RADII = 8
 """Times the radius of a ball around the slope: where the slope cancels no piece is resolved better."""
 _MOST_PIECES_AN_OCTAVE = 80  # in an octave: a value takes all of them, and a table takes thousands of values
 _MOST_WORK = 20_000  # pieces that all values may take, for each kink: some seconds; balls give single values then
-_OVERSHOOT = 4  # times the largest slope at the nodes of a piece, which no slope between them may exceed
 _QUARTERS = 5  # halvings of a piece for balls that bound its slope
 _ORDER = 8  # of a power series that bounds it, where terms cancel
-_EXPANSION = 80  # terms of a weight that is no polynomial, which is expanded up to r
+_EXPANSION = round(_BITS_OF_CLOSED_FORM)  # terms of a weight that is no polynomial, which is expanded up to r
 _OCTAVES_TO_INNERMOST = 5  # octaves from r to the innermost panel, at least
 OCTAVES_BEYOND_SCALES = 40
 """Octaves below the lowest kink, or below 1, where the innermost panel is looked for, and beyond all scales of a
@@ -78,7 +73,7 @@ _LARGEST_ORDER = 16
 _DEEP = BITS + OCTAVES_BEYOND_SCALES * _LARGEST_ORDER
 """Bits of working precision there, for differences between such powers."""
 _P, _Q = sp.symbols("p q", cls=sp.Dummy)
-_LONGEST_LOG = 600.0  # of a scale: no speed in floats is further from 1 by its square
+_LARGEST_LOG = math.log(LARGEST)  # of a speed
 _BEFORE_THE_END = 2.0**-9  # of the speed at which a profile ends: nearer to it there are no values
 
 _Exact = tuple[int, int]
@@ -159,7 +154,7 @@ class ReferenceAverage:
             value = self._by_formula(r)
             if value is not None:
                 pairs.append((value, self._by_rule(r)))
-        return bool(pairs) and all(bool(abs(value - other) <= _AGREEMENT * abs(value)) for value, other in pairs)
+        return bool(pairs) and all(bool(abs(value - other) <= SAME * abs(value)) for value, other in pairs)
 
     def __call__(self, r: arb) -> arb:
         """Return F(r), or raise `NotConverged`, or `OutOfTime` when the time of a `time_limit` is up."""
@@ -301,22 +296,22 @@ class ReferenceAverage:
         coefficients = [c.mid() for c in rule.coefficients(heights)]
         sizes = [abs(float(c)) for c in coefficients]
         moment = self._moment(samples)
-        smooth = max(sizes[-2:]) <= _PIECE_RTOL * max(sizes) + _NOISE_RADII * noise
+        smooth = max(sizes[-2:]) <= NEGLIGIBLE * max(sizes) + _NOISE_RADII * noise
         power = max(1, int(sp.ceiling(self.criterion.order_at_rest)))
-        negligible = (_NEGLIGIBLE * below / ((high - low) * high**power)).max(arb(SMALLEST))
+        negligible = (NEGLIGIBLE * below / ((high - low) * high**power)).max(arb(SMALLEST))
         most = negligible
         if smooth:
-            most = (_OVERSHOOT * max(map(abs, heights), key=float)).max(negligible)
+            most = (STEEPER * max(map(abs, heights), key=float)).max(negligible)
         if not self._bounded(slope, low, high, most):
             return HALVE
-        least = max(_NEGLIGIBLE * max(sizes), noise)
+        least = max(NEGLIGIBLE * max(sizes), noise)
         kept = max((k for k, size in enumerate(sizes, 1) if size > least), default=1)
         polynomial = _middles(rule.powers(coefficients[:kept]))
         return Accept(_Piece(low, high, polynomial, moment, self._average(samples, high)))
 
     def bounded(self, low: float, high: float, most: float) -> bool:
         """Say whether the slope nowhere between two speeds exceeds the largest at some, several times over."""
-        bound = (arb(most) * _OVERSHOOT).max(arb(SMALLEST))
+        bound = (arb(most) * STEEPER).max(arb(SMALLEST))
         return self._bounded(self._slope(arb(low + high) / 2), arb(low), arb(high), bound)
 
     def _bounded(self, slope: BallFunction, low: arb, high: arb, most: arb) -> bool:
@@ -595,6 +590,6 @@ def _power_turns(terms: list[tuple[float, float]]) -> list[float]:
         x = math.inf
         if e != f:
             x = (a - b) / (f - e)
-        if abs(x) < _LONGEST_LOG and all(c + g * x <= a + e * x + 1 for g, c in terms):
+        if abs(x) < _LARGEST_LOG and all(c + g * x <= a + e * x + 1 for g, c in terms):
             turns.append(math.exp(x))
     return turns

@@ -15,7 +15,7 @@ from flint import arb
 from stickslip_sym.core.aliases import BoolArray, Expr, Numbers
 from stickslip_sym.core.errors import InputError, NoClosedForm
 from stickslip_sym.core.lambdify import function_of, power_of
-from stickslip_sym.core.numbers import binary_fraction
+from stickslip_sym.core.numbers import LARGEST, binary_fraction
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.formula.average import average_of_profile
@@ -25,7 +25,6 @@ from stickslip_sym.formula.evaluation.reference_average import BITS, reach_of
 from stickslip_sym.model.terms import Term
 from stickslip_sym.numerics.known import Unknown
 
-_MOST_BINARY_EXPONENT = 900.0  # binary exponents that no product may pass, lest something overflows on the way
 CANCELLED = 4.0
 """The sum of the sizes of terms over the size of their sum, from where that may have lost digits."""
 _WORTH_BRANCHES = 8  # values with the same shapes, from where their branches are made
@@ -170,7 +169,7 @@ class TermFunction:
             return branches
         total = 2.0 + branches.steepest + sum(map(abs, self.amplitude))
         total += (1 + branches.steepest) * sum(map(abs, self.ratio))
-        return branches, float(2.0 ** (_MOST_BINARY_EXPONENT / total))
+        return branches, float(LARGEST ** (1 / total))
 
     def _plain(self, branches: Branches, speed: Numbers, force: Numbers, *bases: Numbers) -> Numbers:
         """Multiply, always in the same order."""

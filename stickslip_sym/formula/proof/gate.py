@@ -21,29 +21,26 @@ from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.functions import write_sech
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.numbers import exact
+from stickslip_sym.core.numbers import SEED, exact
 from stickslip_sym.core.precision import mp, refined, working_precision
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria import quadrature
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.enclosure import Enclosure, average_enclosure, enclosure_of
 from stickslip_sym.formula.exact import to_ball
-from stickslip_sym.formula.proof.proving import DIGITS_OF_EQUALITY, Verdict
+from stickslip_sym.formula.proof.proving import DIGITS_OF_EQUALITY, MOST_PROOF_BITS, Verdict
 from stickslip_sym.model.expression.pieces import kinks_at
+from stickslip_sym.model.lipschitz import BITS_OF_SIGNS
 from stickslip_sym.model.terms import shapes_of
 
 GATE_POINTS = 12
 GATE_DIGITS = 30
-_DIGITS_LEFT_OPEN = 3  # of these digits, which the last bits of an enclosure may leave open
 _QUADRATURE_DIGITS = 24  # by mpmath, where the definition is not enclosed: each digit takes long there
 _DIGITS_NOT_CLAIMED = GATE_DIGITS - DIGITS_OF_EQUALITY  # of these digits, which are not claimed
-_GATE_SEED = 1
 _MOST_DRAWS = 40
-_DECADES = (-3, 3)  # of the belt speed and of every shape, for the points of the gate
-_EXPONENT_DECADES = (-0.5, 0.7)  # of a shape that is an exponent
-_LEAST_BITS = 64  # for a look at a profile
-_BITS_OF_GATE = math.ceil(GATE_DIGITS * math.log2(10))  # of these digits
-_MOST_GATE_BITS = 600  # of working precision
+_DECADES = 3  # to both sides of 1, of the belt speed and of every shape, for the points of the gate
+_EXPONENT_DECADES = 0.5  # of a shape that is an exponent
+_BITS_OF_GATE = math.ceil((GATE_DIGITS + 1) * math.log2(10))  # of these digits, and the last is rounded
 _NEARLY_AT_REST = sp.Rational(1, 10**6)  # of the belt speed, where a profile is looked at
 
 
@@ -54,7 +51,7 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
     do those at which one of the `conditions` between shapes does not hold; others are drawn in their place.
     ESTIMATED if too few say something.
     """
-    rng = random.Random(_GATE_SEED)
+    rng = random.Random(SEED)
     exponents = {node.exp for node in profile.atoms(sp.Pow)}
     for node in profile.atoms(sp.exp):
         if node.has(sp.log):
@@ -67,16 +64,16 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
         for symbol in (symbols.V, *shapes_of(profile)):
             decades = _EXPONENT_DECADES if symbol in exponents else _DECADES
             sign = 1 if symbol.is_nonnegative else rng.choice((-1, 1))
-            point[symbol] = sign * exact(f"{10 ** rng.uniform(*decades):.6g}", symbol.name)
+            point[symbol] = sign * exact(f"{10 ** rng.uniform(-decades, decades):.6g}", symbol.name)
         if not all(condition.subs(point) for condition in conditions) or not _is_real(profile, criterion, point):
             continue
         try:
             expected, surely = _definition(profile, criterion, point)
-            value, too = to_ball(write_sech(closed), point, GATE_DIGITS)
+            value, too = to_ball(write_sech(closed), point, GATE_DIGITS + 1)
         except (InputError, NotConverged):
             continue
         got = enclosure_of(value)
-        digits = GATE_DIGITS - _DIGITS_LEFT_OPEN if surely else _QUADRATURE_DIGITS - _DIGITS_NOT_CLAIMED
+        digits = GATE_DIGITS if surely else _QUADRATURE_DIGITS - _DIGITS_NOT_CLAIMED
         if not all(_is_known(side, profile, point, digits) for side in (expected, got)):
             continue
         if not expected.overlaps(got):
@@ -98,7 +95,7 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
 
 def _profile_at_share(profile: Expr, point: Substitution, share: Expr) -> acb:
     """Return a profile at a share of V."""
-    with working_precision(_LEAST_BITS):
+    with working_precision(BITS_OF_SIGNS):
         return ball_value(profile, {**point, symbols.v: share * point[symbols.V]})
 
 
@@ -128,7 +125,7 @@ def _definition(profile: Expr, criterion: Criterion, point: Substitution) -> tup
         return value
 
     with suppress(InputError, NotConverged):
-        return enclosure_of(refined(enclosed, _BITS_OF_GATE, _MOST_GATE_BITS)), True
+        return enclosure_of(refined(enclosed, _BITS_OF_GATE, MOST_PROOF_BITS)), True
     # The profile is infinite at v = 0, or holds a function that is not enclosed.
     mu = function_of([symbols.v], profile.xreplace(shapes), mp.context)
     kinks = kinks_at(profile, shapes)

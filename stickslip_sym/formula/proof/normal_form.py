@@ -6,9 +6,9 @@ from sympy.functions.elementary.hyperbolic import HyperbolicFunction
 from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.functions import elementary
+from stickslip_sym.model.expression.canonical_form import HIGHEST_POWER_OF_SUM
 from stickslip_sym.model.terms import expand_above
 
-_MOST_SUM_TERMS = 8
 """Whole numbers e up to which 2F1(p, e; e + 1; z) is written by its e powers of 1 - z."""
 _BOUND = sp.Dummy("xi", real=True)  # the variable of every integral in normal form
 
@@ -146,7 +146,7 @@ def _elementary_hypergeometric(node: sp.hyper) -> Expr:
     if is_integral_of_binomial(node):
         e = node.bq[0] - 1
         p = sp.Add(*node.ap) - node.bq[0] + 1
-        if e.is_Integer and 0 < e <= _MOST_SUM_TERMS and p.is_Rational and not p.is_Integer:
+        if e.is_Integer and 0 < e <= HIGHEST_POWER_OF_SUM and p.is_Rational and not p.is_Integer:
             return _hypergeometric_of_whole_order(int(e), p, z)
     return sp.hyper(node.ap, node.bq, z)
 

@@ -21,12 +21,12 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.core.symbols import V
 from stickslip_sym.criteria.criterion import Criterion
-from stickslip_sym.formula.proof.algebra import Algebra, Element, SeriesExpansion
+from stickslip_sym.formula.proof.algebra import Algebra, Element, LaurentSeries, SeriesExpansion
 from stickslip_sym.formula.proof.normal_form import normal_form
 from stickslip_sym.formula.proof.theorems import is_positive, is_smooth
 from stickslip_sym.output import printing
 
-_SPARE = (2, 6, 14)  # terms of a series beyond those that are compared, for those that cancel
+_SPARE = 2  # terms of a series beyond those that are compared, for those that cancel
 _HIGHEST_ORDER = 4  # of a differential equation that is looked for
 
 AVERAGES_AGREE = (
@@ -232,12 +232,15 @@ def _fixed_from(leading: Expr, n: Expr, start: int) -> int:
 def _require_same_start(algebra: Algebra, term: Expr, value: Expr, criterion: Criterion, count: int) -> None:
     """Compare V value(V) and -sum b_n g_n V^n in the coefficients of V^n, n < count."""
     u = symbols.v
-    for spare in _SPARE:
-        of_term = SeriesExpansion(algebra, u, count + spare).of(term)
-        of_value = SeriesExpansion(algebra, V, count + spare).of(V * value)
-        if min(of_term.known, of_value.known) >= count:
-            break
-    else:
+
+    def expanded(terms: int) -> tuple[LaurentSeries, LaurentSeries]:
+        return SeriesExpansion(algebra, u, terms).of(term), SeriesExpansion(algebra, V, terms).of(V * value)
+
+    of_term, of_value = expanded(count + _SPARE)
+    lacking = count - min(of_term.known, of_value.known)
+    if lacking > 0:
+        of_term, of_value = expanded(count + _SPARE + lacking)
+    if min(of_term.known, of_value.known) < count:
         raise ValueError("too many terms of a series cancel")
     if of_term.order < 0 and of_term.coefficients:
         raise ValueError(f"{term} is infinite at {u} = 0")

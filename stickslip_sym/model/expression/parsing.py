@@ -24,7 +24,7 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import CONSTANTS, functions_in_laws, power
 from stickslip_sym.core.names import suggestion
-from stickslip_sym.core.numbers import bits, is_within
+from stickslip_sym.core.numbers import MOST_NUMBER_CHARACTERS, NUMBER_BITS, bits, is_within
 from stickslip_sym.model.expression.pieces import Bound, bound_of, larger, piecewise_law, sign, smaller
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
@@ -103,10 +103,8 @@ _NUMBER = re.compile(r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?0*[0-3]?\d{1,2})?")
 _MAX_LENGTH = 2000
 _MAX_DEPTH = 60
 _MAX_EXPONENT = 64
-_MAX_DIGITS = 330  # of a number as it is written, that of a small double included
 _MAX_ARGUMENT = 1_000_000
 _MAX_KINKS = 40
-_MAX_BITS = 4096  # of a number that constant arithmetic may produce
 _MAX_ROOT_BITS = 256  # of a number that a root is taken of: SymPy looks for its factors
 _NOT_FINITE = frozenset({sp.zoo, sp.nan, sp.oo, -sp.oo})
 
@@ -211,8 +209,8 @@ def _number_and_name(text: str, match: re.Match[str]) -> list[_Token]:
         and (not joined[0].isalpha() or re.fullmatch(r"[xXoObBjJ][0-9a-fA-F_]*|[eE]\d*", joined))
     ):
         _refuse(text, position, f"{match[0][:20]!r} is not a decimal number")
-    if not _NUMBER.fullmatch(number) or len(number) > _MAX_DIGITS:
-        reason = f"{number[:20]!r} is not a decimal number of at most {_MAX_DIGITS} characters"
+    if not _NUMBER.fullmatch(number) or len(number) > MOST_NUMBER_CHARACTERS:
+        reason = f"{number[:20]!r} is not a decimal number of at most {MOST_NUMBER_CHARACTERS} characters"
         _refuse(text, position, reason)
     name = []
     if joined:
@@ -579,7 +577,7 @@ class _Parser:
             self.fail(token, f"a numeric exponent is real and at most {_MAX_EXPONENT} in size")
         if base == 0 and exponent.is_number and exponent.is_negative:
             self.fail(token, "division by zero")
-        if exponent.is_Integer and (bits(_coefficient(base)) - 1) * abs(exponent) > _MAX_BITS:
+        if exponent.is_Integer and (bits(_coefficient(base)) - 1) * abs(exponent) > NUMBER_BITS:
             self.fail(token, "a number in the formula grows too large")  # before it is computed
         if base.is_Rational and not exponent.is_Integer and bits(base) > _MAX_ROOT_BITS:
             self.fail(token, "a root is taken of a number with too many digits")
@@ -588,7 +586,7 @@ class _Parser:
     def _checked(self, token: _Token, result: Expr) -> Expr:
         if result in _NOT_FINITE:
             self.fail(token, "this part of the formula has no finite value")
-        if bits(_coefficient(result)) > _MAX_BITS:
+        if bits(_coefficient(result)) > NUMBER_BITS:
             self.fail(token, "a number in the formula grows too large")
         return result
 

@@ -20,10 +20,10 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Substitution
 from stickslip_sym.core.balls import number_at, rational
 from stickslip_sym.core.functions import fold, row
+from stickslip_sym.core.numbers import DOUBLE_DIGITS, LARGEST
 from stickslip_sym.model.expression.canonical_form import HIGHEST_POWER_OF_V
 
-_MOST_LOG_SPEED = 700.0  # logarithm of a speed that a float holds, and some thousand times that
-_DIGITS_OF_CONSTANT = 60  # of a constant that is no rational number
+_LARGEST_LOG_SPEED = math.log(LARGEST)
 
 
 class _Argument(NamedTuple):
@@ -95,7 +95,7 @@ def _constant_polynomial(node: Expr, point: Substitution) -> fmpq_poly | None:
     value = number_at(node, point)
     if not value.is_finite:
         return None
-    return fmpq_poly([rational(value if value.is_Rational else sp.Rational(value.n(_DIGITS_OF_CONSTANT)))])
+    return fmpq_poly([rational(value if value.is_Rational else sp.Rational(value.n(2 * DOUBLE_DIGITS)))])
 
 
 def _logarithm_of_power(node: Expr, point: Substitution) -> _Argument | None:
@@ -115,7 +115,7 @@ def _speed_transitions(changes: Iterator[Transition], of_logarithm: bool) -> Ite
     for place, width in changes:
         if not of_logarithm:
             yield Transition(place, width)
-        elif abs(place) < _MOST_LOG_SPEED:
+        elif abs(place) < _LARGEST_LOG_SPEED:
             yield Transition(math.exp(place), math.exp(place) * width)
 
 

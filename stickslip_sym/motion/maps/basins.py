@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import BoolArray, ObjectArray
 from stickslip_sym.core.errors import NotConverged, OutOfTime
-from stickslip_sym.core.numbers import read_rtol
+from stickslip_sym.core.numbers import SEED, read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _CHECKED = 200  # initial conditions that are followed although geometry settles them
-_SEED = 1  # of their choice
 
 
 @dataclass(frozen=True)
@@ -176,7 +175,7 @@ def basin_map(
         known = sides.astype(bool)
         chosen = ~known
         sample = np.flatnonzero(known)
-        chosen.flat[np.random.default_rng(_SEED).choice(sample, min(sample.size, _CHECKED), replace=False)] = True
+        chosen.flat[np.random.default_rng(SEED).choice(sample, min(sample.size, _CHECKED), replace=False)] = True
         fates[chosen] = simulated(chosen)
         if any(differ(*pair) for pair in zip(fates[known & chosen], sides[known & chosen], strict=True)):
             share = {}  # the sides of the separatrices are not what decides

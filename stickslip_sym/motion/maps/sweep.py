@@ -19,6 +19,7 @@ import numpy as np
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import NO_RESULT, InputError
+from stickslip_sym.core.numbers import LARGEST
 from stickslip_sym.core.progress import report_counts_to, steps
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
@@ -35,7 +36,7 @@ from stickslip_sym.motion.maps.results_over_axes import (
 )
 from stickslip_sym.motion.margins.critical import critical
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.orbits.damping import needed_damping
+from stickslip_sym.motion.orbits.damping import DAMPING_RTOL, OF_ORBITS, needed_damping
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.regimes.regime import Regime, kept_regime
 from stickslip_sym.numerics.known import Column, Unknown
@@ -46,9 +47,6 @@ from stickslip_sym.output.data import DataResult
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_GRAZE_RTOL = 1e-9  # relative error that is asked for of a graze and a fold
-_EXTREMUM_RTOL = 1e-8  # of an extremum of the needed damping, that polynomials over the quantity leave out
-_INFINITE_EXTREMUM = 1e300  # extrema beyond are infinite
 _MOST_QUANTITY_VALUES = 1000  # of the quantity, at which the needed damping is resolved
 _LEAST_SHARE_OF_RANGE = 1e-4  # of the range of the quantity: extrema come and go within
 
@@ -198,7 +196,7 @@ def _critical(law: FrictionLaw, osc: Oscillator, axis: Axis) -> list[Change]:
     changes = []
     for kind, method in kinds.items():
         for root in critical(
-            law, axis.name, **others, method=method, rtol=_GRAZE_RTOL, within=(grid[0], grid[-1])
+            law, axis.name, **others, method=method, rtol=DAMPING_RTOL, within=(grid[0], grid[-1])
         ):
             error = ROUNDING * abs(root.sensitivity.get("c", 1.0) * others.get("c", root.value))
             # Hopf points are averages, exactly.
@@ -269,7 +267,7 @@ def _branches(low: float, high: float, rows: list[list[Turn]]) -> list[Piece] | 
     pieces = list[Piece]()
     for branch in zip(*(turns[1:-1] for turns in rows), strict=True):
         values, errors = (np.array(column) for column in list(zip(*branch, strict=True))[1:])
-        decision = fit_polynomial(low, high, Column.of(values, errors, NO_VALUE), _EXTREMUM_RTOL)
+        decision = fit_polynomial(low, high, Column.of(values, errors, NO_VALUE), OF_ORBITS)
         if not isinstance(decision, Accept):
             return None
         pieces.append(decision.payload)
@@ -279,7 +277,7 @@ def _branches(low: float, high: float, rows: list[list[Turn]]) -> list[Piece] | 
 def _passed_by(rows: list[list[Turn]]) -> bool:
     """Whether all extrema are farther from the damping there is than they move, those that come or go too."""
     moved = 0.0
-    values = [np.clip([turn.value for turn in turns], -_INFINITE_EXTREMUM, _INFINITE_EXTREMUM) for turns in rows]
+    values = [np.clip([turn.value for turn in turns], -LARGEST, LARGEST) for turns in rows]
     for before, following in pairwise(values):
         apart = np.abs(before[:, None] - following)
         moved += max(apart.min(axis=0).max(), apart.min(axis=1).max())
@@ -290,7 +288,7 @@ def _crossings(piece: Piece) -> list[Change]:
     """Return where an extremum is the damping there is."""
     step = math.sqrt(ROUNDING) * (piece.high - piece.low)
     folds = list[Change]()
-    for root in Resolved((piece,), (), _EXTREMUM_RTOL).roots():
+    for root in Resolved((piece,), (), OF_ORBITS).roots():
         slope = (piece.at(root.x + step) - piece.at(root.x - step)) / (2 * step)
         folds.append(Change("fold", root.x, piece.error / abs(slope) if slope else piece.high - piece.low))
     return folds

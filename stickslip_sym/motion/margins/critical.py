@@ -41,13 +41,12 @@ from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, STRONG, orbit_da
 from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.motion.thresholds.averages import fast_average, resolved_gauss_average
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, transit
-from stickslip_sym.motion.thresholds.grazing import ERRORS_TO_CHECK_FATE
 from stickslip_sym.motion.thresholds.methods import Method, MethodName, accuracy, evaluate, find_method, methods
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, oscillator_quantities
 from stickslip_sym.motion.thresholds.theorem import Search, checked_hypotheses
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.numerics.known import Column, Unknown, attempted
-from stickslip_sym.numerics.resolved import Resolved, Root, Sampled, nodes, resolve
+from stickslip_sym.numerics.resolved import ERRORS_OF_CLEAR_SIGN, Resolved, Root, Sampled, nodes, resolve
 from stickslip_sym.numerics.subdivide import joined
 from stickslip_sym.output.content import content
 from stickslip_sym.output.data import DataResult, TableResult, columns_of
@@ -680,7 +679,7 @@ class _Search:
             result = self._result(x, width)
             if abs(result.value - x) >= width:
                 return None
-            beside = ERRORS_TO_CHECK_FATE * (result.relative_error or 0.0) * abs(result.value)
+            beside = ERRORS_OF_CLEAR_SIGN * (result.relative_error or 0.0) * abs(result.value)
             beside = min(max(beside, _FLAT * abs(result.value)), width)
             below = excess(self.at(result.value - beside), self.c, self.method)
             above = excess(self.at(result.value + beside), self.c, self.method)

@@ -8,6 +8,7 @@ import math
 from dataclasses import dataclass, replace
 
 from stickslip_sym.core import deadline
+from stickslip_sym.core.numbers import LARGEST
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
@@ -20,7 +21,6 @@ from stickslip_sym.output.shown import Shown
 
 _RELATIVE_FOLD_DISTANCE = 1e-7
 """Distance from an orbit over its amplitude: by its square the mismatch changes beside a fold."""
-_LEAST_CONTRACTION = 1e-300  # contraction in a round, or backward, that is distinguished from 0
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class LimitCycle(Shown, DataResult):
     @classmethod
     def of(cls, osc: Oscillator, A: float, period: float, factor: float) -> "LimitCycle":
         """Return a cycle from its amplitude over V, its period in 1/omega, and how deviations grow in a round."""
-        floquet = math.log(max(factor, _LEAST_CONTRACTION)) / period
+        floquet = math.log(max(factor, 1 / LARGEST)) / period
         return cls(A * osc.V, period / osc.omega, floquet * osc.omega, floquet < 0)
 
     def __str__(self) -> str:
@@ -113,7 +113,7 @@ def _cycle(need: NeededDamping, osc: Oscillator, A: float, stable: bool) -> Limi
         return replace(LimitCycle.of(osc, A, _round_time(replace(system, zeta=osc.zeta)), 0.0), stable=True)
     # A wedge is 0 where its half slides along a jump of mu. Forward, the motions beside it come to lie on it;
     # backward, it is one from which those beside it part at once.
-    factor = min(ahead.wedge / max(back.wedge, _LEAST_CONTRACTION), 1 / _LEAST_CONTRACTION)
+    factor = min(ahead.wedge / max(back.wedge, 1 / LARGEST), LARGEST)
     if abs(need.mismatch(A, 2 * osc.zeta)) > PARTED:
         # The orbit touches a speed where mu jumps, and d steps past the damping that there is. Where it rises
         # those inside shrink, and the jump throws those outside on; where it falls both come to slide along it.

@@ -20,6 +20,7 @@ from scipy.optimize import brentq
 from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NotConverged
+from stickslip_sym.core.numbers import LEAST_RTOL
 from stickslip_sym.core.remedies import Call
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
@@ -37,21 +38,24 @@ from stickslip_sym.motion.orbits.needed import (
 from stickslip_sym.motion.simulation.cycle import first_minimum
 from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.numerics.known import Column, Unknown, attempted
-from stickslip_sym.numerics.resolved import Resolved, Turn, resolve
+from stickslip_sym.numerics.resolved import ERRORS_OF_CLEAR_SIGN, Resolved, Turn, resolve
 
 NEAREST = 1e-3
 """Lowest amplitude over the belt's speed that is looked at; a smaller cycle shows by the growth at rest."""
-_DAMPING_RTOL = 1e-9  # of d, that its polynomials may leave out
+DAMPING_RTOL = 1e-9
+"""Of d, that its polynomials may leave out, and of thresholds to which others are held."""
 _MOST_ORBITS = 2000  # orbits, to resolve it
-_OF_ORBITS = 1e-8  # relative error of the values through which they go
+OF_ORBITS = 1e-8
+"""Relative error of the values through which they go, and what polynomials over another quantity leave out."""
 _FEW_ORBITS = 20  # orbits, up to which plain Python is as fast as loading compiled code
-_NEUTRAL = 3.0  # times the tolerance of steps, the mismatch below which an orbit is periodic within their errors
+STEP_ERRORS = 3.0
+"""Errors of steps, within which an orbit is periodic, and beyond which the fate of a slip is certain."""
 _WEAK_FRICTION = 1.0  # eta, below which mismatches are so small that their steps are to be precise
-_RELATIVE_CYCLE_WIDTH = 1e-6  # relative, of the amplitude of a cycle by polynomials, within which it lies
-_ERRORS_OF_CLEAR_SIGN = 10.0  # errors from a damping at which the sign of a polynomial is that of the mismatch
+_RELATIVE_CYCLE_WIDTH = DAMPING_RTOL / NEAREST  # of the amplitude of a cycle by polynomials, within which it lies
 _NARROW_RATIO = 64  # times narrower than V is a piece of the table in which mu changes quickly,
 _NARROWER = 0.6  # and than the pieces beside it
-_SAME_AMPLITUDE, _BREAK_XTOL = 1e-9, 1e-13  # amplitudes that are one, and the error of one at which d breaks
+SAME_AMPLITUDE = 1e-9
+"""Over V, the distance of amplitudes that are one, or of highest slip speeds."""
 _THIN = 1e-3  # over V, width of a layer at rest that polynomials might not see
 _DAMPING_OF_JUMP = 0.5  # damping ratio that a jump of mu at V may ask for
 _LARGEST_LEAST_AMPLITUDE = 0.9  # amplitude above all such
@@ -87,7 +91,7 @@ class NeededDamping:
                 "try ",
                 Call("simulate()", "simulate LAW"),
             )
-        return 0.0 if abs(value) <= _NEUTRAL * steps else float(value)
+        return 0.0 if abs(value) <= STEP_ERRORS * steps else float(value)
 
     # -- d as polynomials --------------------------------------------------------------------------
 
@@ -112,12 +116,12 @@ class NeededDamping:
         for w in above:
             if least < w < most:
                 met.append(self._reaching(w * (1 - ROUNDING), self.least))
-                if self._highest(beyond := met[-1] + _SAME_AMPLITUDE) < w * (1 + ROUNDING) < self.system.w_max:
+                if self._highest(beyond := met[-1] + SAME_AMPLITUDE) < w * (1 + ROUNDING) < self.system.w_max:
                     met.append(self._reaching(w * (1 + ROUNDING), beyond))  # orbits slide there for a while
         # Amplitudes within a layer at rest may be as good as one: d is not resolved there.
-        last = min((A for A in met if 1 - _SAME_AMPLITUDE <= A < 1), default=1.0)
+        last = min((A for A in met if 1 - SAME_AMPLITUDE <= A < 1), default=1.0)
         inside = sorted(A for A in met if self.least < A < last)
-        edges = [self.least, *(A for A, after in pairwise([*inside, last]) if after - A > _SAME_AMPLITUDE), last]
+        edges = [self.least, *(A for A, after in pairwise([*inside, last]) if after - A > SAME_AMPLITUDE), last]
         # Both ends of the last range may be singular: the law at rest, too.
         return edges if len(edges) == 2 else [*edges[:-1], (edges[-2] + last) / 2, last]
 
@@ -126,7 +130,7 @@ class NeededDamping:
         """The amplitude up to which orbits stay at speeds at which the law is measured."""
         w_max = self.system.w_max
         return (
-            next((A for A in self.edges if self._highest(A) >= w_max * (1 - _SAME_AMPLITUDE)), 1.0)
+            next((A for A in self.edges if self._highest(A) >= w_max * (1 - SAME_AMPLITUDE)), 1.0)
             if math.isfinite(w_max)
             else 1.0
         )
@@ -137,7 +141,7 @@ class NeededDamping:
         return resolve(
             lambda places: self._values(self.amplitudes(places)),
             range(len(self.edges)),
-            rtol=_DAMPING_RTOL,
+            rtol=DAMPING_RTOL,
             most=_MOST_ORBITS,
         )
 
@@ -173,7 +177,7 @@ class NeededDamping:
         def off(A: float) -> float:
             return min(self._highest(A), 2 * w) - w
 
-        return float(brentq(off, low, 1.0, xtol=_BREAK_XTOL)) if off(low) < 0 < off(1.0) else low
+        return float(brentq(off, low, 1.0, xtol=LEAST_RTOL)) if off(low) < 0 < off(1.0) else low
 
     def _highest(self, A: float) -> float:
         """Return what the highest slip speed of an orbit is at most, over V: infinite where it is not known."""
@@ -206,7 +210,7 @@ class NeededDamping:
         d = 2 * graze[0]
         error = 2 * graze[1]
         last = self.resolved.turns[-1]
-        return Turn(1.0, d, error) if abs(d - last.value) > _ERRORS_OF_CLEAR_SIGN * (error + last.error) else None
+        return Turn(1.0, d, error) if abs(d - last.value) > ERRORS_OF_CLEAR_SIGN * (error + last.error) else None
 
     def signs(self, dampings: FloatArray, grows_at_rest: BoolArray) -> tuple[BoolArray, BoolArray, BoolArray]:
         """Return at which dampings over sqrt(k m) there is a cycle, at which a stable one, and where that is open.
@@ -228,7 +232,7 @@ class NeededDamping:
     def _side(self, damping: float) -> int:
         """Return 1 where d is shown to lie above a damping, -1 below, else 0."""
         side = self.resolved.side(damping)
-        if self._graze and side * (self._graze.value - damping) <= _ERRORS_OF_CLEAR_SIGN * self._graze.error:
+        if self._graze and side * (self._graze.value - damping) <= ERRORS_OF_CLEAR_SIGN * self._graze.error:
             return 0
         return side
 
@@ -238,7 +242,7 @@ class NeededDamping:
         above = np.vstack([grows_at_rest, values > dampings])
         falls = above[:-1] & ~above[1:]
         unknown = [bool(self.resolved.open_at(damping)) for damping in dampings.tolist()]
-        near = np.abs(values - dampings) <= _ERRORS_OF_CLEAR_SIGN * (errors + ROUNDING * np.abs(dampings))
+        near = np.abs(values - dampings) <= ERRORS_OF_CLEAR_SIGN * (errors + ROUNDING * np.abs(dampings))
         return (above[:-1] != above[1:]).any(axis=0), falls.any(axis=0), near.any(axis=0) | unknown
 
     def cycles(self, damping: float) -> Iterator[tuple[float, bool]]:
@@ -274,7 +278,7 @@ class NeededDamping:
     def _sign(self, turn: Turn, damping: float) -> float:
         """Return the sign of d - damping at an extremum."""
         off = turn.value - damping
-        if not abs(off) <= _ERRORS_OF_CLEAR_SIGN * (turn.error + ROUNDING * abs(damping)):
+        if not abs(off) <= ERRORS_OF_CLEAR_SIGN * (turn.error + ROUNDING * abs(damping)):
             return math.copysign(1.0, off)
         return float(np.sign(self.mismatch(turn.x, damping)))
 
@@ -324,7 +328,7 @@ def _orbit_dampings(system: NondimensionalOscillator, eta: FloatArray, A: FloatA
     """
     rows = np.full((A.size, 5), float(SearchEnd.LATE))
     few = 0 if is_ready(search_damping_ratios) else _FEW_ORBITS
-    system.spread(search_damping_ratios, (eta, np.zeros(A.size), A), (_OF_ORBITS,), rows, few=few)
+    system.spread(search_damping_ratios, (eta, np.zeros(A.size), A), (OF_ORBITS,), rows, few=few)
     check_time()
     rows[:, 1:] *= 2
     return damping_ratios(rows)
@@ -349,7 +353,7 @@ def resolve_together(needs: Sequence[NeededDamping]) -> None:
             A[which == i] = needs[i].amplitudes(places[which == i] - begins[i])
         return _orbit_dampings(system, etas[which], A)
 
-    whole = resolve(values, range(int(begins[-1]) + 1), rtol=_DAMPING_RTOL, most=_MOST_ORBITS * len(needs))
+    whole = resolve(values, range(int(begins[-1]) + 1), rtol=DAMPING_RTOL, most=_MOST_ORBITS * len(needs))
     for need, (begin, end) in zip(needs, pairwise(begins.tolist()), strict=True):
         vars(need)["resolved"] = whole.between(begin, end)
 

@@ -9,7 +9,6 @@ Poincare; `derivations/d8_second_order.py` proves the formulas. Only the slope o
 nothing cancels at small belt speeds.
 """
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +18,7 @@ from stickslip_sym.core.aliases import BoolArray, ComplexArray, FloatArray
 from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.motion.orbits.needed import ROUNDING
 
-_PHASE_GRIDS = (32, 192, 1152)  # phases in half a period; the next where these do not do
+_FEWEST_PHASES, _MOST_PHASES = 32, 1024  # in half a period: twice as many each time
 
 
 # Fourier series on 2 K phases theta_j = (j + 1/2) pi/K of a period, the midpoints of cells: of real functions, by
@@ -66,23 +65,25 @@ class GrazingExpansion(NamedTuple):
         return self.tail <= ROUNDING
 
 
-def expand(law: BoundLaw, V: ArrayLike, *, grids: Sequence[int] = _PHASE_GRIDS) -> GrazingExpansion:
+def expand(
+    law: BoundLaw, V: ArrayLike, *, fewest: int = _FEWEST_PHASES, most: int = _MOST_PHASES
+) -> GrazingExpansion:
     """Expand slip orbits for weak friction.
 
     - `law`: smooth on the speeds of the orbits.
     - `V`: belt speeds in m/s.
-    - `grids`: numbers of phases in half a period, of which the first that resolves the law is taken, or the last.
+    - `fewest`, `most`: phases in half a period, doubled until they resolve the law.
     """
     V = np.ravel(np.asarray(V, np.float64))
     expansion = GrazingExpansion(*np.full((len(GrazingExpansion._fields), V.size), np.inf))
-    for size in grids:
-        again = ~expansion.resolved
-        if again.any():
-            finer = _expand(_falls_over_period(law, V[again], size))
-            seen = law.table.resolved(0.0, 2 * V[again], size)
-            finer = finer._replace(tail=np.where(seen, finer.tail, np.inf))
-            for column, values_there in zip(expansion, finer, strict=True):
-                column[again] = values_there
+    size = fewest
+    while (again := ~expansion.resolved).any() and size <= most:
+        finer = _expand(_falls_over_period(law, V[again], size))
+        seen = law.table.resolved(0.0, 2 * V[again], size)
+        finer = finer._replace(tail=np.where(seen, finer.tail, np.inf))
+        for column, values_there in zip(expansion, finer, strict=True):
+            column[again] = values_there
+        size = 2 * size
     return expansion
 
 

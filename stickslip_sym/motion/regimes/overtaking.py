@@ -31,6 +31,7 @@ from scipy.special import comb
 
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.deadline import check_time
+from stickslip_sym.core.numbers import SAME
 from stickslip_sym.model.table import TABLE_DEGREE, FrictionTable
 from stickslip_sym.motion.kernel.slip_data import ADDED, PRECISE
 from stickslip_sym.motion.slip import NondimensionalOscillator
@@ -38,17 +39,12 @@ from stickslip_sym.numerics.known import Column, Unknown
 from stickslip_sym.numerics.resolved import Resolved, Root, resolve
 from stickslip_sym.numerics.subdivide import joined
 
-_NEAREST_OVER_REACH, _RELATIVE_STICK_WIDTH = (
-    1e-12,
-    1e-9,
-)  # over the reach, and over a displacement: where a round that sticks is sought
 _FARTHEST_DISPLACEMENT = 1e6  # displacement up to which cycles are sought where there is no reach
 _MOST_ROUNDS = 4000  # rounds whose growth is computed
 _SHARE_OF_FIRST_ROUND = 0.9  # of R(0): all rounds grow up to there
 _DISPLACEMENTS_LOOKED_AT = 24
 """Displacements, from the nearest to the farthest, at which it is asked whether rounds come in at once."""
 _SINK_RATIO = 1e3  # to less than a thousandth, so that R is as good as constant there
-_SAME_PERIOD = 1e-6  # relative, periods of such a cycle by steps of two tolerances, or it is not known
 _LOST = Unknown("a round takes too many steps")
 
 _POWERS = np.arange(TABLE_DEGREE + 1)
@@ -198,7 +194,7 @@ def _rounds_that_stick(system: NondimensionalOscillator, far: float, rtol: float
     Up to there they shrink. Where static friction holds a mass, faster than the belt, up to one displacement, R
     jumps.
     """
-    inside = far * _NEAREST_OVER_REACH
+    inside = far * SAME
     low = far
     at_inside = _end_of_round(system, inside, rtol)
     at_low = _end_of_round(system, low, rtol)
@@ -211,7 +207,7 @@ def _rounds_that_stick(system: NondimensionalOscillator, far: float, rtol: float
         at_low = at_inside
         inside = 0.0
 
-    while at_low > inside and low > inside * (1 + _RELATIVE_STICK_WIDTH) and inside > 0:
+    while at_low > inside and low > inside * (1 + rtol) and inside > 0:
         middle = math.sqrt(inside * low)
         R = _end_of_round(system, middle, rtol)
         if isinstance(R, Unknown):
@@ -233,7 +229,7 @@ def _sink(system: NondimensionalOscillator, first: float, far: float, rtol: floa
     So they do where the mass slips so slowly beside the belt's speed that it all but sticks. R never falls: all
     rounds from 0 to a displacement end between R(0) and its own end.
     """
-    q = np.geomspace(max(first, far * _NEAREST_OVER_REACH), far, _DISPLACEMENTS_LOOKED_AT)
+    q = np.geomspace(max(first, far * SAME), far, _DISPLACEMENTS_LOOKED_AT)
     ends = system.rounds(q, rtol, few=0).ends
     check_time()
     come_in = np.flatnonzero(ends.known & (ends.filled(math.inf) <= q / _SINK_RATIO))
@@ -242,7 +238,7 @@ def _sink(system: NondimensionalOscillator, first: float, far: float, rtol: floa
     last = int(come_in[-1])
     low = float(q[last])
     beyond = float(q[min(last + 1, _DISPLACEMENTS_LOOKED_AT - 1)])
-    while beyond > low * (1 + _RELATIVE_STICK_WIDTH):
+    while beyond > low * (1 + rtol):
         middle = math.sqrt(low * beyond)
         R = _end_of_round(system, middle, rtol)
         if not isinstance(R, Unknown) and middle / _SINK_RATIO >= R:
@@ -254,7 +250,7 @@ def _sink(system: NondimensionalOscillator, first: float, far: float, rtol: floa
         return float(system.slips(np.zeros(1), np.zeros(1), passes=1, rtol=rtol, few=0).tau.item())
 
     by_steps = period(rtol)
-    known = abs(by_steps - period(max(rtol / 10, PRECISE))) <= _SAME_PERIOD * by_steps
+    known = abs(by_steps - period(max(rtol / 10, PRECISE))) <= ADDED * rtol * by_steps
     kind: Kind = "cycle" if known else "open"
     return Rounds((FixedPoint(0.0, low / _SINK_RATIO, kind),), (1, -1)), low
 

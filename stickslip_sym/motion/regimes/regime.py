@@ -24,7 +24,7 @@ from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
-from stickslip_sym.motion.kernel.slip_data import ADDED, SlipEnd
+from stickslip_sym.motion.kernel.slip_data import ADDED, TIGHT, SlipEnd
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles
 from stickslip_sym.motion.orbits.damping import NEAREST, needed_damping
@@ -40,7 +40,7 @@ from stickslip_sym.numerics.known import Unknown
 from stickslip_sym.output.data import DataResult
 from stickslip_sym.output.shown import Drawn, views_of
 
-_RELATIVE_STEP = 1e-4  # relative, of a displacement by which a round is differentiated
+_RELATIVE_STEP = TIGHT ** (1 / 3)  # of a displacement by which a round is differentiated
 _SECONDS_FOR_PERIOD, _PERIOD_RTOL = (
     2.0,
     1e-8,

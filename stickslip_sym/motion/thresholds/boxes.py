@@ -29,10 +29,10 @@ from stickslip_sym.core.precision import working_precision
 from stickslip_sym.core.remedies import Argument
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.leading_terms import symbolic_limit_at_rest
+from stickslip_sym.model.taylor_model import SHARE_OF_RADIUS
 from stickslip_sym.numerics.known import Unknown
 
 _SCALES = tuple(2.0**-i for i in range(-1, 9))  # of the radii that are tried for the polydisc
-_SHARE_OF_RADIUS = 0.25  # of the time rho that a step takes: with it a term gains two bits
 _MOST_BOX_STEPS = 20_000
 _HALVINGS_AT_HIGHEST = 8  # halvings of a step on which w is highest
 _START_SHARE = 3  # the first step from a point where mu is not analytic is 2^-(bits/3)
@@ -143,7 +143,7 @@ def flow(segment: Segment, q: arb, w: arb, terms: int, *, start: bool = False) -
         polynomials = _taylor_polynomials(segment, q, w, terms, start)
     except (ValueError, ZeroDivisionError) as error:  # a series is divided by one whose first ball holds 0
         raise Undecided(f"the field has no power series around w = {w.str(6)}: {error}") from None
-    time = arb(float(rho) * _SHARE_OF_RADIUS)
+    time = arb(float(rho) * SHARE_OF_RADIUS)
     ratio = time / rho
     left = arb(0, 1) * ratio**terms / (1 - ratio)
     return Flow(*polynomials, time, arb(radius_q) * left, arb(radius_w) * left)

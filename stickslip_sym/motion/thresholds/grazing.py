@@ -19,26 +19,22 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import Pieces
 from stickslip_sym.motion.kernel.slip_data import ADDED, PRECISE, TIGHT, SlipEnd, Wedge
-from stickslip_sym.motion.orbits.needed import PARTED, ROUNDING, STRONG, orbit_damping_ratio, velocity_mismatch_at
+from stickslip_sym.motion.orbits.damping import DAMPING_RTOL, SAME_AMPLITUDE, STEP_ERRORS
+from stickslip_sym.motion.orbits.needed import PARTED, ROUNDING, orbit_damping_ratio, velocity_mismatch_at
 from stickslip_sym.motion.slip import NondimensionalOscillator
+from stickslip_sym.numerics.resolved import ERRORS_OF_CLEAR_SIGN
 
-_LOOSEST_THRESHOLD_RTOL = 1e-9  # relative error that is sought in any case: it costs about twice as much as 1e-3
-_LOOSEST_STRONG = 1e-8  # the same where friction is strong: 1e-9 would often take a second search
 _TABULATED_OVER_HIGHEST = 1.5
 """Times the highest slip speed, up to which a derivative of the law is tabulated: steps try further."""
-ERRORS_TO_CHECK_FATE = 10.0  # errors from a threshold at which the fate of the slip from P is asked for
-_ERRORS_OF_CERTAIN_FATE = 3.0  # times the errors of a slip as a whole, from where its fate is certain
 _OF_SPRING = 0.1  # friction may be far weaker than the spring, whose share of these errors is that
 _MOST_FATE_STEPS = 2000  # of such a slip: the search for a threshold takes about as many
-_NO_FRICTION = 1e-7  # eta below which the changes of a mismatch may be nothing but rounding
-_SAME_SPEED = 1e-8  # relative distance of two slip speeds that are one, as the highest and one at which mu jumps
 
 
 def grazing_damping(law: BoundLaw, osc: Oscillator, *, rtol: float, fast: bool = False) -> tuple[float, float]:
     """Return the damping c in kg/s at which the slip from P grazes the belt's speed, and its error in kg/s.
 
     - `osc`: its own c is not used.
-    - `rtol`: relative error that is wanted; one of 1e-9 is sought in any case, of 1e-8 where friction is strong.
+    - `rtol`: relative error that is wanted; one of 1e-9 is sought in any case, at twice the cost of 1e-3.
     - `fast`: compiled where numba is there, for many dampings.
 
     The damping is negative where the slip does not return without any. One that is not computed among many is
@@ -47,13 +43,10 @@ def grazing_damping(law: BoundLaw, osc: Oscillator, *, rtol: float, fast: bool =
     Raises as `orbit_damping_ratio`, and `NotConverged` where the slip does something else.
     """
     system = NondimensionalOscillator.of(law, osc)
-    loosest = _LOOSEST_THRESHOLD_RTOL
-    if abs(system.eta) > STRONG:
-        loosest = _LOOSEST_STRONG
-    zeta, error = orbit_damping_ratio(system, rtol=min(rtol, loosest), fast=fast)
+    zeta, error = orbit_damping_ratio(system, rtol=min(rtol, DAMPING_RTOL), fast=fast)
     unit = 2 * osc.impedance
     if not fast:
-        _confirm(system, zeta, ERRORS_TO_CHECK_FATE * error)
+        _confirm(system, zeta, ERRORS_OF_CLEAR_SIGN * error)
     return zeta * unit, error * unit
 
 
@@ -67,8 +60,8 @@ def _confirm(system: NondimensionalOscillator, zeta: float, off: float) -> None:
     if max(off, largest) == 0.0:  # nothing but the spring acts, and all orbits are closed
         return
     errors = ADDED * (largest + _OF_SPRING)  # of a slip, over the tolerance of its steps
-    off = max(off, _ERRORS_OF_CERTAIN_FATE * errors * PRECISE)
-    steps = off / (_ERRORS_OF_CERTAIN_FATE * errors)
+    off = max(off, STEP_ERRORS * errors * PRECISE)
+    steps = off / (STEP_ERRORS * errors)
     ratios = np.array([zeta - off, zeta + off])
     slips = system.slips(
         np.zeros(2), np.zeros(2), ratios=(system.eta, ratios), until=SlipEnd.MINIMUM, level=1.0, rtol=steps,
@@ -103,7 +96,7 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
     damped = replace(system, zeta=zeta + error)
     wedge = system.difference._replace(linear=-2.0)
     highest = damped.slip(0.0, 0.0, until=SlipEnd.MAXIMUM).w
-    near = [i for i, w in enumerate(rise.levels[:-1]) if rise.jumps[i] and abs(w - highest) <= _SAME_SPEED * w]
+    near = [i for i, w in enumerate(rise.levels[:-1]) if rise.jumps[i] and abs(w - highest) <= SAME_AMPLITUDE * w]
     parted = bool(near) and abs(velocity_mismatch_at(replace(system, zeta=zeta), 1.0, rtol=TIGHT).value) > PARTED
 
     def derivative(source: Wedge) -> float:
@@ -130,7 +123,7 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
         ),
         "N": Wedge(excess * friction, 0.0, -friction, rise.pieces, still),
     }
-    if eta < _NO_FRICTION and 0.0 < abs(osc.N * derivative(sources["N"])) < ROUNDING:
+    if 0.0 < abs(osc.N * derivative(sources["N"])) < ROUNDING:
         raise NotConverged(
             f"how the threshold changes is not known at eta = {eta:g} and V = {V:g} m/s: friction is so weak that "
             "its changes are lost in rounding; try an average of the slope"
@@ -141,7 +134,8 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
         onset = bound.number(rate(law.static_expr, symbol)) - partial.onset
         moves = [(bound.number(place), bound.number(rate(place, symbol)) / V) for place in places(law.expr)]
         shifts = [
-            next((by for v, by in moves if math.isclose(v, level, rel_tol=_SAME_SPEED)), 0.0) for level in levels
+            next((by for v, by in moves if math.isclose(v, level, rel_tol=SAME_AMPLITUDE)), 0.0)
+            for level in levels
         ]
         sources[name] = Wedge(eta * onset, 0.0, -eta, partial.at(V).pieces, shifts)
     by = {name: -derivative(source) / slope * unit for name, source in sources.items()}

@@ -23,6 +23,7 @@ from stickslip_sym.criteria import criterion as criteria
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.kernel.slip_data import TIGHT
+from stickslip_sym.motion.orbits.damping import DAMPING_RTOL
 from stickslip_sym.motion.orbits.expansion import damping_of_layer, expand, expansion_changes
 from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.orbits.orbit import orbits
@@ -34,13 +35,9 @@ if TYPE_CHECKING:
     from stickslip_sym.motion.thresholds.theorem import Theorem
 
 _THRESHOLDS_TO_COMPILE = 200  # simulated thresholds, for which loading the compiled code is no loss
-_PHASES, _COLLOCATION_TAIL = (
-    64,
-    3e-5,
-)  # of half a period, and the tail that the law may have on them for collocation
+_PHASES = 64  # of half a period
 _FALLS = 30.0  # by so much the tail is smaller on the finest grid of collocation, where it has to be within rtol
 _RELATIVE_KINK_DISTANCE = 1e-6  # of V: an orbit that comes so close to a kink is taken to pass it
-_REFERENCE = 1e-9  # of a threshold that gives the error of an average, or says where a proof has to look
 
 
 @dataclass(frozen=True)
@@ -75,14 +72,14 @@ class Reference:
 
     def offer(self, value: FloatArray, relative_error: FloatArray) -> None:
         """Keep thresholds that a method gave, if accurate enough, and more accurate than those that are kept."""
-        most = _REFERENCE if self.computed is None else self.computed.relative_error
+        most = DAMPING_RTOL if self.computed is None else self.computed.relative_error
         if (relative_error <= most).all():
             self.computed = Computed(value, relative_error)
 
     def at(self, points: OperatingPoints, rows: IntArray) -> Computed:
         """Return those at some rows of all points."""
         if self.computed is None:
-            self.computed, _ = evaluate(points, None, _REFERENCE)
+            self.computed, _ = evaluate(points, None, DAMPING_RTOL)
         return Computed(self.computed.value[rows], self.computed.relative_error[rows])
 
 
@@ -218,7 +215,7 @@ def good_enough(
     if points.has_oscillator:  # else nothing is known of the threshold itself
         some = points.rows(far)
         if shared is None:
-            reference = evaluate(some, None, _REFERENCE)[0]
+            reference = evaluate(some, None, DAMPING_RTOL)[0]
         else:
             reference = shared.at(points, far)
         away = np.abs(computed.value[far] - reference.value)
@@ -386,8 +383,8 @@ def _expansion_changes(points: OperatingPoints) -> dict[str, FloatArray]:
 
 def _orbit_cost(points: OperatingPoints, rtol: float) -> FloatArray:
     """Return less than a simulation for a law that few phases resolve: too strong a friction shows at once."""
-    tail = expand(points.bound, points.V, grids=[_PHASES]).tail
-    return np.where(tail <= min(_COLLOCATION_TAIL, _FALLS * rtol), 2.0, 10.0)
+    tail = expand(points.bound, points.V, fewest=_PHASES, most=_PHASES).tail
+    return np.where(tail <= _FALLS * rtol, 2.0, 10.0)
 
 
 def _damping_by_orbit(points: OperatingPoints, rtol: float) -> Computed:
@@ -461,7 +458,7 @@ def _damping_by_proof(points: OperatingPoints, rtol: float) -> Computed:
     theorems = {}
 
     def proved(row: int) -> tuple[float, float]:
-        c, error = grazing_damping(points.bound, points.oscillator(row), rtol=_REFERENCE)
+        c, error = grazing_damping(points.bound, points.oscillator(row), rtol=DAMPING_RTOL)
         scale = float(points.slope_scale[row])
         off = float(points.rows([row]).relative(np.array([error]), np.array([c]))[0])
         theorems[row] = prove_threshold(ExactPoint(points.law, **points.exact_row(row)), c, off, rtol, scale)

@@ -17,7 +17,7 @@ from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Rational
 from stickslip_sym.core.balls import ball_value
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold
-from stickslip_sym.core.precision import working_precision
+from stickslip_sym.core.precision import GUARD_BITS, working_precision
 from stickslip_sym.core.remedies import Argument
 from stickslip_sym.criteria.enclosure import Enclosure, enclosure_of
 from stickslip_sym.model.law import FrictionLaw
@@ -29,12 +29,7 @@ from stickslip_sym.output.data import DataResult
 from stickslip_sym.output.layout import prose_latex
 from stickslip_sym.output.notation import latex_name
 
-_BITS_BEYOND_DISTANCE = (
-    40,
-    100,
-    250,
-    600,
-)  # of a decision, beyond those of its distance from the threshold, until one falls
+_MOST_BITS_BEYOND_DISTANCE = 600  # of a decision, beyond those of its distance from the threshold
 _CURVED = 10  # the secant is off by the square of the bracket, times this
 _FIRST_BRACKET = 1e-2  # of the first bracket, relative
 
@@ -187,7 +182,7 @@ class Search:
         self.decision = decision
         self.label = label
         self.decided: dict[Fraction, Transit] = {}
-        self.bits = list(_BITS_BEYOND_DISTANCE)
+        self.bits = GUARD_BITS
 
     def around(self, value: float, error: float, rtol: float, scale: float = 0.0) -> Enclosure:
         """Enclose the threshold by two values within a relative distance.
@@ -231,14 +226,14 @@ class Search:
         """Decide at a value, at a precision that suits its relative distance from the threshold."""
         close = int(1.25 * max(0.0, -math.log2(distance)))
         while x not in self.decided:
-            bits = self.bits[0] + close
+            bits = self.bits + close
             try:
                 self.decided[x] = self.decision(x, bits)
             except Undecided as error:
-                if len(self.bits) == 1:
+                if self.bits > _MOST_BITS_BEYOND_DISTANCE:
                     where = f"{self.label} = {float(abs(x)):.15g} with {bits} bits"
                     raise NotConverged(f"undecided at {where}: {error}") from None
-                del self.bits[0]  # nor would fewer do at the next value
+                self.bits *= 2  # nor would fewer do at the next value
         return self.decided[x].returns
 
     def _secant(self) -> Fraction | None:
