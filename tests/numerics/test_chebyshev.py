@@ -46,6 +46,13 @@ def test_roots_between_the_ends_simple_and_double():
     assert chebyshev.real_roots(polynomial(0.2 + 0.1j, 0.2 - 0.1j)).size == 0
 
 
+@pytest.mark.parametrize(("distance", "count"), [(5e-4, 2), (3e-3, 0)])
+def test_roots_that_rounding_may_have_parted_count(distance, count):
+    """Two complex ones stand for a double root if they are that close to the axis, and for none else."""
+    pair = np.polynomial.polynomial.polyfromroots([0.3 + distance * 1j, 0.3 - distance * 1j]).real
+    assert chebyshev.real_roots(reference.poly2cheb(pair)).size == count
+
+
 @pytest.mark.parametrize("n", [3, 12])
 def test_balls_hold_the_polynomial_through_given_values(n):
     """Of exact powers, whose coefficients in powers of t come back within small balls."""

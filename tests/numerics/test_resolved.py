@@ -1,12 +1,14 @@
 """Functions as polynomials: every root and extremum of random ones, jumps, and what the budget leaves open."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
+from stickslip_sym.numerics.chebyshev import grid, polynomial_values
 from stickslip_sym.numerics.known import Column, Unknown
-from stickslip_sym.numerics.resolved import NO_VALUE, resolve
+from stickslip_sym.numerics.resolved import NO_VALUE, NODES, nodes, resolve
 from stickslip_sym.numerics.subdivide import WORK
 from support.sweeps import sweep
 
@@ -113,3 +115,60 @@ def test_weak_noise_hides_a_level_beside_an_extremum_and_no_other(seed):
     assert found.open_at(height * (1 + 100 * noise)) == []
     rough = resolve(lambda x: sampled(parabola(x), 0.1), [0.0, 1.0], rtol=RTOL, most=MOST)
     assert rough.open_at(height * (1 - place**2 / 2)) != []
+
+
+def with_errors(function, error):
+    """Return a function of values that are known to an absolute error."""
+
+    def asked(x):
+        values = np.broadcast_to(function(x), x.shape).astype(float)
+        return Column.of(values, np.full(x.size, error), LOST)
+
+    return asked
+
+
+def test_the_error_of_a_piece_is_what_errors_at_its_nodes_can_do():
+    """Of worst signs of the errors at each of many places between the nodes: it is a bound, and no wide one."""
+    between = np.linspace(-1, 1, 2001)
+    moved = np.abs([polynomial_values(row, between) for row in grid(NODES).coefficients]).sum(axis=0).max()
+    (piece,) = resolve(with_errors(lambda x: x, 1e-3), [0.0, 1.0], rtol=RTOL, most=MOST).pieces
+    assert moved < piece.error / 1e-3 < 2 * moved
+
+
+def test_an_error_hides_roots_where_it_is_no_small_part_of_what_values_range_over():
+    for error, stretches in ((0.005, []), (0.02, [(0.0, 1.0)])):
+        found = resolve(with_errors(lambda x: x, error / 4), [0.0, 1.0], rtol=RTOL, most=MOST)
+        assert found.open_at(0.5) == stretches
+
+
+def test_an_error_hides_roots_beside_an_extremum_only_far_above_the_tolerance():
+    for ratio, hidden in ((500, False), (2000, True)):
+        found = resolve(with_errors(lambda x: 1 - x**2, ratio * 1e-6 / 4), [-1.0, 1.0], rtol=1e-6, most=MOST)
+        assert bool(found.open_at(1.0)) == hidden
+
+
+def test_beside_a_jump_pieces_come_as_close_as_arguments_are_told_apart():
+    pieces = resolved(lambda x: np.where(x < 0.3, x - 1, 2 - x), [0, 1]).pieces
+    (gap,) = (after.low - before.high for before, after in pairwise(pieces) if after.low > before.high)
+    assert 2e-12 < gap < 2e-11
+
+
+def test_an_interval_that_stays_open_may_go_beyond_its_samples_by_two_of_their_steps():
+    stretch, _ = resolved(lambda x: np.abs(x - 0.3), [0, 1], most=NODES).open  # both halves, not looked at
+    x = nodes(np.array([0.0]), np.array([1.0]))[0]
+    beyond = 2 * np.abs(np.diff(np.abs(x - 0.3))).max()
+    assert stretch.estimate.most == pytest.approx(np.abs(x - 0.3).max() + beyond)
+    assert stretch.estimate.least == pytest.approx(np.abs(x - 0.3).min() - beyond)
+
+
+@pytest.mark.parametrize(("error", "calls"), [(0.05, 0), (0.2, 1)])
+def test_a_sketch_is_enough_where_its_errors_are_small_beside_its_values(error, calls):
+    """Of 1, whose sign is certain to ten errors."""
+    asked = []
+
+    def close(x):
+        asked.append(x)
+        return sampled(np.ones_like(x), NOISE)
+
+    resolve(close, [0.0, 1.0], rtol=RTOL, most=MOST, sketch=with_errors(lambda x: 1.0, error / 4))
+    assert len(asked) == calls

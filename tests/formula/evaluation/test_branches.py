@@ -133,7 +133,7 @@ def test_a_branch_that_is_off_at_one_end_only_is_refuted(monkeypatch):
     right = average.functions[0].branches()
     first = right.branches[0]
     (function, coefficients), *rest = first.parts
-    off = Sum(first.power, first.variable, ((function, (*coefficients[:-1], 1e4 * coefficients[-1])), *rest))
+    off = Sum(first.power, first.variable, ((function, (*coefficients[:-1], 1e8 * coefficients[-1])), *rest))
     assert "As written CHECKED" in average.code("c")
     monkeypatch.setattr(
         TermFunction, "branches", lambda *args: replace(right, branches=(off, *right.branches[1:]))
