@@ -1,28 +1,34 @@
 """Which numeric constants of the package no test notices.
 
-Run ``python tests/benchmarks/mutate_constants.py RESULTS.jsonl [FOLDER ...] [--seconds 15]``, with folders or
+Run ``python tests/benchmarks/mutate_constants.py RESULTS.jsonl [FOLDER ...] [--seconds 6]``, with folders or
 modules of the package as ``formula/evaluation``. A run that is cut goes on where it ended: what is known stands in
 RESULTS.jsonl.
 
 1. Each test is run once, and it is noted which functions that name a constant it enters, and how long it takes.
-2. Each constant is changed, in the source as it is imported: by factors of 3 and 1/3, and a tolerance, which is
-   less than a hundredth, by 10 and 1/10. The quickest of the tests that enter such a function are run, the
-   file of tests that bears the module's name first, for some seconds of processor time in all, until one fails.
+2. Each constant is changed: by factors of 3 and 1/3, and a tolerance, which is less than a hundredth, by 10 and
+   1/10. The quickest of the tests that enter such a function are run, the file of tests that bears the module's
+   name first, for some seconds of processor time in all, until one fails. Each change has a process of its own, a
+   copy of one that has the package imported and the tests collected; a constant that is needed on import, as a
+   default or in a class, is changed in the source as it is imported.
 3. Printed are the constants, and for each change what noticed it: a test, time (three times as long), or nothing.
+   A change that nothing noticed is looked at again by a run with more ``--seconds``.
 
 Tests whose results depend on others having run before, by caches, may enter fewer functions than they would alone.
+A test that starts the package in a process of its own does not see a change. What numba compiles runs as plain
+Python where one of its constants is changed.
 """
 
 import argparse
 import ast
 import importlib.abc
 import importlib.machinery
-import importlib.util
 import json
 import os
+import resource
 import sys
 import time
-from collections.abc import Iterator
+from collections import defaultdict
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -33,7 +39,11 @@ TOLERANCE = 0.01
 SLOWER = 3.0
 """Times as long as before, which a benchmark notices; under load a test may take twice as long."""
 STARTING = 5.0
-"""Seconds that importing the package and collecting tests may take."""
+"""Seconds that importing the package, collecting tests and filling caches may take."""
+PLAIN_SECONDS = 120.0
+"""Seconds of tests that are run once in plain Python, to know which are quick without compilation."""
+COMPILED_AS = ("@compilable", "@inlined")
+"""Decorators of what numba compiles, which can note nothing: the tests that enter what calls it are run."""
 
 
 class Constant(NamedTuple):
@@ -91,10 +101,114 @@ def constants_of(path: Path) -> list[Constant]:
     ]
 
 
+# -- which constant is used where --------------------------------------------------------------------
+
+
+class _Module(NamedTuple):
+    """The names that a module's functions and assigned values use, those that it needs on import, and imports."""
+
+    functions: list[tuple[str, set[str]]]
+    assigned: list[tuple[str, ast.expr, set[str]]]
+    needed_on_import: set[str]
+    imported: list[tuple[tuple[str, str], str]]
+    compiles: bool
+
+
+class Uses(NamedTuple):
+    """Where a constant is used: functions, and the names of modules that hold it or what is computed from it."""
+
+    functions: set[str]
+    aliases: list[tuple[str, str]]
+    needed_on_import: bool
+    compiled: bool
+
+
+def _key(module: str, node: ast.FunctionDef) -> str:
+    return f"{module}:{node.lineno}:{node.name}"
+
+
+def _used(*nodes: ast.AST | None) -> set[str]:
+    return {one.id for node in nodes if node is not None for one in ast.walk(node) if isinstance(one, ast.Name)}
+
+
+def _outside_functions(node: ast.AST) -> set[str]:
+    """Return the names that are looked up as a module is imported, in what is not an assignment of its own."""
+    if isinstance(node, ast.FunctionDef | ast.Lambda):
+        decorators = node.decorator_list if isinstance(node, ast.FunctionDef) else []
+        return _used(*decorators, *node.args.defaults, *node.args.kw_defaults)
+    own = {node.id} if isinstance(node, ast.Name) else set[str]()
+    return own.union(*(_outside_functions(child) for child in ast.iter_child_nodes(node)))
+
+
+def _read(path: Path) -> _Module:
+    text = path.read_text()
+    tree, module = ast.parse(text), str(path.relative_to(ROOT))
+    assigned = [
+        (name, node.value, _used(node.value)) for name, node in assignments(tree) if node.value is not None
+    ]
+    plain = {id(node) for _, node in assignments(tree)}
+    imported = [
+        ((node.module.replace(".", "/") + ".py", alias.name), alias.asname or alias.name)
+        for node in tree.body
+        if isinstance(node, ast.ImportFrom) and node.module is not None
+        for alias in node.names
+    ]
+    return _Module(
+        functions=[
+            (_key(module, node), _used(node)) for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)
+        ],
+        assigned=assigned,
+        needed_on_import=set[str]().union(
+            *(_outside_functions(node) for node in tree.body if id(node) not in plain)
+        ),
+        imported=imported,
+        compiles=any(name in text for name in COMPILED_AS),
+    )
+
+
+def uses_of_constants() -> dict[tuple[str, str], Uses]:
+    """Return where each constant is used, itself or through another name of a module."""
+    read = {str(path.relative_to(ROOT)): _read(path) for path in modules()}
+    takers = defaultdict[tuple[str, str], list[tuple[str, str]]](list)
+    for module, one in read.items():
+        for origin, local in one.imported:
+            takers[origin].append((module, local))
+    return {
+        (constant.module, constant.name): _uses(constant, read, takers)
+        for path in modules()
+        for constant in constants_of(path)
+    }
+
+
+def _uses(constant: Constant, read: dict[str, _Module], takers: Any) -> Uses:
+    aliases = [(constant.module, name) for name in constant.name.split(", ")]
+    functions = set[str]()
+    on_import = compiled = False
+    for module, name in aliases:  # which grows
+        one = read[module]
+        functions |= {key for key, used in one.functions if name in used}
+        on_import |= name in one.needed_on_import
+        compiled |= one.compiles
+        more = [(module, other) for other, _, used in one.assigned if name in used]
+        aliases += [alias for alias in [*more, *takers[module, name]] if alias not in aliases]
+    if compiled:
+        compiled_modules = {name for name, one in read.items() if one.compiles}
+        callers = [
+            one for one in read.values() if any(origin in compiled_modules for (origin, _), _ in one.imported)
+        ]
+        functions |= {key for one in callers for key, _ in one.functions}
+        functions = {key for key in functions if key.partition(":")[0] not in compiled_modules}
+    return Uses(functions, aliases, on_import, compiled)
+
+
+def modules() -> list[Path]:
+    return sorted((ROOT / PACKAGE).rglob("*.py"))
+
+
 # -- importing the package with changes --------------------------------------------------------------
 
 REACHED: set[str] = set()
-"""Functions entered so far, by module, name and line: each that names a constant adds itself here."""
+"""Functions entered so far, by module, line and name: each that names a constant adds itself here."""
 
 
 class _Loader(importlib.machinery.SourceFileLoader):
@@ -143,83 +257,55 @@ def _replace(tree: ast.Module, constant: Constant, value: float) -> None:
     raise LookupError(f"{constant} is not there")
 
 
-def _key(module: str, node: ast.FunctionDef) -> str:
-    return f"{module}:{node.lineno}:{node.name}"
+def change_in_place(constant: Constant, value: float, uses: Uses) -> None:
+    """Put another value where a constant stands in modules that are imported, and compute anew what follows."""
+    tree = ast.parse((ROOT / constant.module).read_text())
+    _replace(tree, constant, value)
+    importlib.import_module(_name_of(constant.module))
+    for module, name in uses.aliases:
+        within = sys.modules.get(_name_of(module))
+        if within is None:
+            continue  # it will be imported with the change
+        source = tree if module == constant.module else ast.parse((ROOT / module).read_text())
+        own: list[ast.stmt] = [node for target, node in assignments(source) if name in target.split(", ")]
+        if own:
+            exec(compile(ast.fix_missing_locations(ast.Module(own, [])), module, "exec"), vars(within))
+        else:
+            _take_anew(within, module, name)
 
 
-class _Names(NamedTuple):
-    """The names that a module's functions and assigned values use, and what it imports from other modules."""
-
-    functions: list[tuple[str, set[str]]]
-    assigned: list[tuple[str, set[str]]]
-    imported: list[tuple[tuple[str, str], str]]
+def _name_of(module: str) -> str:
+    return module.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
 
 
-def _names_in(path: Path) -> _Names:
-    tree, module = ast.parse(path.read_text()), str(path.relative_to(ROOT))
-    functions = [(_key(module, node), _used(node)) for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
-    assigned = [(name, _used(node.value)) for name, node in assignments(tree) if node.value is not None]
-    imported = [
-        ((node.module.replace(".", "/") + ".py", alias.name), alias.asname or alias.name)
-        for node in tree.body
-        if isinstance(node, ast.ImportFrom) and node.module is not None
-        for alias in node.names
-    ]
-    return _Names(functions, assigned, imported)
-
-
-def _used(node: ast.AST) -> set[str]:
-    return {one.id for one in ast.walk(node) if isinstance(one, ast.Name)}
-
-
-def users() -> dict[tuple[str, str], set[str]]:
-    """Return the functions that name each constant, itself or through another name of a module."""
-    names = {str(path.relative_to(ROOT)): _names_in(path) for path in modules()}
-    found: dict[tuple[str, str], set[str]] = {}
-    for constant in {(c.module, c.name) for path in modules() for c in constants_of(path)}:
-        waiting = [(constant[0], name) for name in constant[1].split(", ")]
-        aliases, keys = set(waiting), set[str]()
-        while waiting:
-            module, name = waiting.pop()
-            keys |= {key for key, used in names[module].functions if name in used}
-            more = {(module, other) for other, used in names[module].assigned if name in used}
-            more |= {(other, local) for other, one in names.items() for origin, local in one.imported
-                     if origin == (module, name)}  # fmt: skip
-            waiting += more - aliases
-            aliases |= more
-        found[constant] = keys
-    return found
-
-
-def modules() -> list[Path]:
-    return sorted((ROOT / PACKAGE).rglob("*.py"))
+def _take_anew(within: Any, module: str, name: str) -> None:
+    """Take from another module what a name was imported as."""
+    for (origin, original), local in _read(ROOT / module).imported:
+        if local == name and (source := sys.modules.get(_name_of(origin))) is not None:
+            setattr(within, name, getattr(source, original))
 
 
 # -- running tests -----------------------------------------------------------------------------------
 
 
-class Recorder:
-    """A plugin of pytest that notes what each test enters, and its processor time."""
+def run(items: list[Any], *, stops: bool = True) -> list[dict[str, Any]]:
+    """Run collected tests, until one fails where so wished; return for each what it enters, and its time."""
+    from _pytest.runner import runtestprotocol
 
-    def __init__(self) -> None:
-        self.rows: list[dict[str, Any]] = []
-        self.failed: str | None = None
-        self._start = 0.0
-
-    def pytest_runtest_logstart(self) -> None:
+    rows = list[dict[str, Any]]()
+    for item, after in zip(items, [*items[1:], None], strict=True):
         REACHED.clear()
-        self._start = time.process_time()
+        start = time.process_time()
+        failed = any(report.failed for report in runtestprotocol(item, log=False, nextitem=after))
+        seconds = time.process_time() - start
+        rows.append({"test": item.nodeid, "seconds": seconds, "failed": failed, "enters": sorted(REACHED)})
+        if failed and stops:
+            break
+    return rows
 
-    def pytest_runtest_logreport(self, report: Any) -> None:
-        if report.failed and self.failed is None:
-            self.failed = report.nodeid
 
-    def pytest_runtest_logfinish(self, nodeid: str) -> None:
-        self.rows.append({"test": nodeid, "seconds": time.process_time() - self._start, "enters": sorted(REACHED)})
-
-
-def in_child(tests: list[str], change: tuple[Constant, float] | None, watched: set[str], limit: float) -> Any:
-    """Run tests in a process of their own, and return what was recorded; None where time was up."""
+def in_child(task: Callable[[], Any], limit: float) -> Any:
+    """Do something in a copy of this process, and return what it returns; None where its processor time was up."""
     read, write = os.pipe()
     child = os.fork()
     if child == 0:
@@ -227,47 +313,220 @@ def in_child(tests: list[str], change: tuple[Constant, float] | None, watched: s
         silent = os.open(os.devnull, os.O_WRONLY)
         os.dup2(silent, 1)
         os.dup2(silent, 2)
-        sys.modules["mutate_constants"] = sys.modules["__main__"]
-        sys.meta_path.insert(0, _Finder(change, watched))
-        import pytest
-
-        recorder, status = Recorder(), 3
+        spent = int(time.process_time() + limit) + 1
+        resource.setrlimit(resource.RLIMIT_CPU, (spent, spent))
+        text = b""
         try:
-            options = ["-n", "0", "-q", "-p", "no:cacheprovider", *([] if watched else ["-x"])]
-            status = int(pytest.main([*options, *tests], plugins=[recorder]))
+            text = json.dumps(task()).encode()
         finally:
-            result = {"status": status, "failed": recorder.failed, "rows": recorder.rows}
-            _written(write, json.dumps(result).encode())
+            with os.fdopen(write, "wb") as pipe:
+                pipe.write(text)
             os._exit(0)
     os.close(write)
-    return _awaited(child, read, limit)
-
-
-def _written(pipe: int, text: bytes) -> None:
-    while text:
-        text = text[os.write(pipe, text) :]
-
-
-def _awaited(child: int, pipe: int, limit: float) -> Any:
-    """Read what a process writes until it ends; it is stopped when its time is up."""
-    os.set_blocking(pipe, False)
-    parts, end = list[bytes](), time.monotonic() + limit
-    while True:
+    parts, end = list[bytes](), time.monotonic() + 20 * (limit + STARTING)
+    os.set_blocking(read, False)
+    while time.monotonic() < end:
         try:
-            part = os.read(pipe, 1 << 16)
-            if not part:
-                break
-            parts.append(part)
+            part = os.read(read, 1 << 16)
         except BlockingIOError:
-            if time.monotonic() > end:
-                os.kill(child, 9)
-                os.waitpid(child, 0)
-                os.close(pipe)
-                return None
-            time.sleep(0.02)
-    os.waitpid(child, 0)
-    os.close(pipe)
-    return json.loads(b"".join(parts)) if parts else {"status": 3, "failed": "the run itself", "rows": []}
+            time.sleep(0.01)
+            continue
+        if not part:
+            break
+        parts.append(part)
+    else:
+        os.kill(child, 9)
+    os.close(read)
+    _, status = os.waitpid(child, 0)
+    if os.WIFSIGNALED(status):
+        return None
+    return json.loads(b"".join(parts)) if parts else []
+
+
+class Session:
+    """A plugin of pytest that does something with the collected tests in place of running them."""
+
+    def __init__(self, task: Callable[[list[Any]], Any]) -> None:
+        self._task = task
+        self.result: Any = None
+
+    def pytest_runtestloop(self, session: Any) -> bool:
+        self.result = self._task(session.items)
+        return True
+
+
+def with_collected(task: Callable[[list[Any]], Any], tests: list[str], watched: set[str] | None = None,
+                   change: tuple[Constant, float] | None = None) -> Any:  # fmt: skip
+    """Import the package, changed or watched, collect tests and do something with them."""
+    sys.modules["mutate_constants"] = sys.modules["__main__"]
+    if watched or change:
+        sys.meta_path.insert(0, _Finder(change, watched or set()))
+    import pytest
+
+    session = Session(task)
+    pytest.main(["-n", "0", "-q", "-p", "no:cacheprovider", *tests], plugins=[session])
+    return session.result
+
+
+# -- a campaign --------------------------------------------------------------------------------------
+
+
+class Campaign:
+    """A file that keeps what is known, a row a line, and the seconds of tests for each change."""
+
+    def __init__(self, path: Path, seconds: float) -> None:
+        self._path = path
+        self._seconds = seconds
+        self._uses = uses_of_constants()
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return what is known."""
+        return [json.loads(line) for line in self._path.read_text().splitlines()] if self._path.exists() else []
+
+    def _keep(self, rows: list[dict[str, Any]]) -> None:
+        with self._path.open("a") as file:
+            file.writelines(json.dumps(row) + "\n" for row in rows)
+
+    def look(self, *, plain: bool) -> None:
+        """Run each file of tests once, watched; in plain Python only the quickest tests of what is compiled."""
+        watched = {key for uses in self._uses.values() for key in uses.functions}
+        within = self._look_at_plain if plain else self._look
+        in_child(lambda: with_collected(within, [], watched=watched), FOREVER)
+
+    def _look(self, items: list[Any]) -> None:
+        of_files = defaultdict[Path, list[Any]](list)
+        known = {row["test"].partition("::")[0] for row in self.rows() if "test" in row}
+        for item in items:
+            if item.nodeid.partition("::")[0] not in known:
+                of_files[item.path].append(item)
+        for of_file in of_files.values():
+            rows = in_child(lambda of_file=of_file: run(of_file, stops=False), FOREVER)
+            self._keep(rows)
+
+    def _look_at_plain(self, items: list[Any]) -> None:
+        functions = set[str]().union(*(uses.functions for uses in self._uses.values() if uses.compiled))
+        entering = sorted(_entering(self.rows(), functions), key=lambda row: row["seconds"])
+        named = {item.nodeid: item for item in items}
+        run_in_plain_python()
+        left = PLAIN_SECONDS
+        for row in entering:
+            found = in_child(lambda row=row: run([named[row["test"]]]), 4.0) if row["test"] in named else None
+            if found:
+                self._keep([one | {"plain": True} for one in found])
+                left -= found[0]["seconds"]
+            if left < 0:
+                break
+
+    def change(self, folders: list[str]) -> None:
+        """Change each constant of some folders."""
+        wanted = [
+            constant
+            for path in modules()
+            for constant in constants_of(path)
+            if any(constant.module.removeprefix(PACKAGE + "/").startswith(folder) for folder in folders)
+        ]
+        at_once = [one for one in wanted if not self._uses[one.module, one.name].needed_on_import]
+        in_child(lambda: with_collected(lambda items: self._change_in_place(at_once, items), []), FOREVER)
+        for constant in wanted:
+            if constant not in at_once:
+                self._change_on_import(constant)
+
+    def _change_in_place(self, constants: list[Constant], items: list[Any]) -> None:
+        named = {item.nodeid: item for item in items}
+        for constant in constants:
+            uses = self._uses[constant.module, constant.name]
+
+            def changed(tests: list[str], other: float, constant: Constant = constant, uses: Uses = uses) -> Any:
+                if uses.compiled:
+                    run_in_plain_python()
+                change_in_place(constant, other, uses)
+                return run([named[test] for test in tests if test in named])
+
+            self._outcomes(constant, changed)
+
+    def _change_on_import(self, constant: Constant) -> None:
+        def changed(tests: list[str], other: float) -> Any:
+            if self._uses[constant.module, constant.name].compiled:
+                run_in_plain_python()
+            return with_collected(run, tests, change=(constant, other))
+
+        self._outcomes(constant, changed)
+
+    def _outcomes(self, constant: Constant, changed: Callable[[list[str], float], Any]) -> None:
+        """Run tests with a constant changed each way, and keep what noticed it."""
+        known = self.rows()
+        chosen, expected = self._chosen(known, constant)
+        for other in constant.changed:
+            row = {"constant": list(constant), "other": other, "tests": len(chosen), "seconds": self._seconds}
+            if any(_settles(old, row) for old in known):
+                continue
+            if not chosen:
+                self._keep([row | {"by": "no test enters it in time"}])
+                continue
+            found = in_child(lambda other=other: changed(chosen, other), SLOWER * (expected + STARTING))
+            self._keep([row | {"by": _noticed_by(found)}])
+
+    def _chosen(self, known: list[dict[str, Any]], constant: Constant) -> tuple[list[str], float]:
+        """Return tests that enter a function which names a constant, and how long they take."""
+        uses = self._uses[constant.module, constant.name]
+        rows = [row for row in known if row.get("plain", False) == uses.compiled]
+        entering = _entering(rows, uses.functions)
+        own = f"test_{Path(constant.module).stem}.py"
+        entering.sort(key=lambda row: (own not in row["test"], row["seconds"]))
+        chosen, total = list[str](), 0.0
+        for row in entering:
+            if total + row["seconds"] <= self._seconds:
+                chosen.append(row["test"])
+                total += row["seconds"]
+        return chosen, total
+
+
+FOREVER = 1e6
+
+
+def run_in_plain_python() -> None:
+    """Let nothing be compiled: machine code kept on disk has the constants of before."""
+    from stickslip_sym.motion import compiled
+
+    compiled.is_compiling = lambda: False
+
+
+def _entering(rows: list[dict[str, Any]], keys: set[str]) -> list[dict[str, Any]]:
+    """Return the tests that pass and enter one of some functions, whose lines may have moved since."""
+    functions = {_without_line(key) for key in keys}
+    tests = (row for row in rows if "test" in row and not row["failed"])
+    return [row for row in tests if any(_without_line(key) in functions for key in row["enters"])]
+
+
+def _without_line(key: str) -> str:
+    module, _, name = key.split(":")
+    return f"{module}:{name}"
+
+
+def _settles(old: dict[str, Any], new: dict[str, Any]) -> bool:
+    """Whether a change was looked at: noticed, or not noticed in as many seconds."""
+    if "constant" not in old or (old["constant"], old["other"]) != (new["constant"], new["other"]):
+        return False
+    return bool(old["by"]) or old["seconds"] >= new["seconds"]
+
+
+def _noticed_by(rows: list[dict[str, Any]] | None) -> str | None:
+    if rows is None:
+        return "time"
+    if not rows:
+        return "the import, or the collection of tests"
+    return next((row["test"] for row in rows if row["failed"]), None)
+
+
+def print_table(known: list[dict[str, Any]]) -> None:
+    """Print what noticed each change; the last word on it counts."""
+    rows = {(*row["constant"][:3], row["other"]): row for row in known if "constant" in row}
+    for row in rows.values():
+        module, name, place, value = row["constant"]
+        by = row["by"] or f"NOTHING ({row['tests']} tests)"
+        print(f"{module.removeprefix(PACKAGE + '/')}  {name}[{place}]  {value:g} -> {row['other']:g}:  {by}")
+    unnoticed = sum(row["by"] is None for row in rows.values())
+    print(f"{len(rows)} changes, {unnoticed} noticed by nothing")
 
 
 def main() -> None:
@@ -275,99 +534,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("results", type=Path)
     parser.add_argument("folders", nargs="*", default=[""])
-    parser.add_argument("--seconds", type=float, default=15.0, help="of tests for each change")
-    parser.add_argument(
-        "--tests", nargs="*", help="whose names begin so, below tests; by default those of the folders"
-    )
+    parser.add_argument("--seconds", type=float, default=6.0, help="of tests for each change")
     parser.add_argument("--only", choices=["map", "table"], help="look which tests enter what, or print")
-    options = parser.parse_args()
-    lines = options.results.read_text().splitlines() if options.results.exists() else []
-    known = [json.loads(line) for line in lines]
-    if options.only != "table":
-        with options.results.open("a") as file:
-            _go_on(known, options, file)
-    _print(known)
-
-
-def _go_on(known: list[dict[str, Any]], options: Any, file: Any) -> None:
-    def keep(row: dict[str, Any]) -> None:
-        known.append(row)
-        file.write(json.dumps(row) + "\n")
-        file.flush()
-
+    options = parser.parse_intermixed_args()
     for name in ("numpy", "scipy.optimize", "sympy", "flint", "mpmath", "numba"):
         importlib.import_module(name)
     os.chdir(ROOT)
-    named = users()
-    watched = {key for keys in named.values() for key in keys}
-    watched = {key for key in watched if "/kernel/" not in key}
-    mapped = {row["file"] for row in known if "file" in row}
-    for path in sorted((ROOT / "tests").rglob("test_*.py")):
-        test_file = str(path.relative_to(ROOT))
-        wanted = options.tests or [one.split("/")[0] for one in options.folders]
-        if test_file in mapped or not any(test_file.startswith(f"tests/{one}") for one in wanted):
-            continue
-        found = in_child([test_file], None, watched, 900.0)
-        keep({"file": test_file, "rows": found["rows"] if found else []})
-    if options.only == "map":
-        return
-    tests = [row for one in known if "file" in one for row in one["rows"]]
-    done = {(*row["constant"][:3], row["other"]) for row in known if "constant" in row}
-    for path in modules():
-        if not any(str(path.relative_to(ROOT / PACKAGE)).startswith(one) for one in options.folders):
-            continue
-        for constant in constants_of(path):
-            chosen, seconds = _chosen(tests, constant, named[constant.module, constant.name], options.seconds)
-            for other in constant.changed:
-                if (*constant[:3], other) not in done:
-                    keep(_outcome(constant, other, chosen, seconds))
-
-
-def _function(key: str) -> str:
-    """Return a function without its line, which other changes move."""
-    module, _, name = key.split(":")
-    return f"{module}:{name}"
-
-
-def _chosen(
-    tests: list[dict[str, Any]], constant: Constant, keys: set[str], seconds: float
-) -> tuple[list[str], float]:
-    """Return tests that enter a function which names a constant, and how long they take."""
-    functions = {_function(key) for key in keys}
-    entering = [row for row in tests if any(_function(key) in functions for key in row["enters"])]
-    own = f"test_{Path(constant.module).stem}.py"
-    entering.sort(key=lambda row: (own not in row["test"], row["seconds"]))
-    chosen, total = list[str](), 0.0
-    for row in entering:
-        if total + row["seconds"] <= seconds:
-            chosen.append(row["test"])
-            total += row["seconds"]
-    return chosen, total
-
-
-def _outcome(constant: Constant, other: float, chosen: list[str], seconds: float) -> dict[str, Any]:
-    """Run tests with a constant changed, and return what noticed it."""
-    row: dict[str, Any] = {"constant": list(constant), "other": other, "tests": len(chosen), "by": None}
-    if not chosen:
-        row["by"] = "no test enters it in time"
-        return row
-    found = in_child(chosen, (constant, other), set(), STARTING + SLOWER * 3 * (seconds + STARTING))
-    took = sum(one["seconds"] for one in found["rows"]) if found else float("inf")
-    if found and found["status"] != 0:
-        row["by"] = found["failed"] or "no test could be collected"
-    elif took > SLOWER * (seconds + 1):
-        row["by"] = "time"
-    return row
-
-
-def _print(known: list[dict[str, Any]]) -> None:
-    rows = [row for row in known if "constant" in row]
-    for row in rows:
-        module, name, place, value = row["constant"]
-        by = row["by"] or f"NOTHING ({row['tests']} tests)"
-        print(f"{module.removeprefix(PACKAGE + '/')}  {name}[{place}]  {value:g} -> {row['other']:g}:  {by}")
-    unnoticed = sum(row["by"] is None for row in rows)
-    print(f"{len(rows)} changes, {unnoticed} noticed by nothing")
+    campaign = Campaign(options.results.resolve(), options.seconds)
+    if options.only != "table":
+        if not any(row.get("plain") for row in campaign.rows()):
+            campaign.look(plain=False)
+            campaign.look(plain=True)
+        if options.only != "map":
+            campaign.change(options.folders)
+    print_table(campaign.rows())
 
 
 if __name__ == "__main__":
