@@ -13,13 +13,12 @@ from stickslip_sym.certificates.python_printer import WIDTH
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Rational
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.precision import GUARD_BITS
 from stickslip_sym.core.remedies import Call
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.criteria.decay import vanishing
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.output import printing
-
-_BITS_BEYOND_ENCLOSURE = 64  # bits beyond those of the enclosure
 
 
 def certificate_of_enclosure(
@@ -50,7 +49,7 @@ def certificate_of_enclosure(
         name=criterion.name,
         law="\n".join(lines),
         definition=definition,
-        bits=_bits(low, high) + _BITS_BEYOND_ENCLOSURE,
+        bits=_bits(low, high) + GUARD_BITS,
         scene=f"{in_flint.flint_rational(V)}, {in_flint.flint_rational(N)}",
         parameters=script.parameters,
         low=_dyadic(low),

@@ -16,11 +16,9 @@ from flint import arb
 from stickslip_sym.certificates import in_flint
 from stickslip_sym.certificates.in_flint import LawInFlint
 from stickslip_sym.certificates.python_printer import WIDTH
-from stickslip_sym.core.precision import working_precision
+from stickslip_sym.core.precision import GUARD_BITS, working_precision
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Undecided, flow
 from stickslip_sym.output.sections import sections
-
-_BITS_BEYOND_PROOF = 32  # bits beyond those of the proof, whose boxes are a little narrower
 
 
 def certificate_of_threshold(
@@ -43,7 +41,7 @@ def certificate_of_threshold(
     law = point.law
     page = sections(Path(__file__).with_suffix(".txt"))
     script = LawInFlint(law.bound, page["page"])
-    bits += _BITS_BEYOND_PROOF + _widening(point, ends[1])
+    bits += GUARD_BITS + _widening(point, ends[1])
     with working_precision(bits):
         begins_analytic = _is_analytic_at_rest(point)
     borders = [f'"{end}"' for end in script.ends] + ["None"] * (law.v_max is None)

@@ -34,6 +34,11 @@ class Grid:
         """From coefficients to values."""
 
     @cached_property
+    def lebesgue(self) -> float:
+        """By how many errors of its values the polynomial through them may be off: most at the ends."""
+        return float(np.abs(self.coefficients.sum(axis=1)).sum())
+
+    @cached_property
     def slopes(self) -> FloatArray:
         """From values to slopes at the nodes."""
         rows = [np.asarray(chebyshev.chebval(self.nodes, chebyshev.chebder(row))) for row in np.eye(self.n)]

@@ -39,7 +39,6 @@ from stickslip_sym.numerics.subdivide import (
 NODES = 17
 """Samples of an interval."""
 _TAIL_LENGTH = 3  # last coefficients, that must vanish
-_ERRORS_OF_COEFFICIENT = 4.0  # errors of its values, by which a coefficient may be off
 _LEAST_WIDTH = 1e-11  # width of an interval over the range: it holds a jump, or the end of a stretch without value
 _ERROR_THAT_HIDES_ROOTS = 1e3  # times what was asked for, above which an error may hide roots,
 _HIDES = 1e-2  # if it is larger than this part of what the values on a piece range over
@@ -298,7 +297,7 @@ def fit_polynomial(low: float, high: float, row: Column, rtol: float) -> Decisio
     if not np.isfinite(values).all():
         return _estimated(row)
     coefficients = values @ grid(NODES).coefficients
-    error = float(_ERRORS_OF_COEFFICIENT * row.errors.max() + rtol * np.abs(values).max())
+    error = float(grid(NODES).lebesgue * row.errors.max() + rtol * np.abs(values).max())
     if tail(coefficients, _TAIL_LENGTH) > error:
         return _estimated(row)
     return Accept(Piece(low, high, coefficients, error))
@@ -324,7 +323,7 @@ def _sketched(low: float, high: float, row: Column, rtol: float) -> tuple[Decisi
         return fit_polynomial(low, high, row, rtol), math.inf
     coefficients = values @ grid(NODES).coefficients
     last = float(tail(coefficients, _TAIL_LENGTH))
-    piece = Piece(low, high, coefficients, float(_ERRORS_OF_COEFFICIENT * row.errors.max() + last))
+    piece = Piece(low, high, coefficients, float(grid(NODES).lebesgue * row.errors.max() + last))
     sides = [turn.value for turn in piece.turns]
     largest = max(map(abs, sides))
     limit = min(map(abs, sides)) / ERRORS_OF_CLEAR_SIGN
@@ -333,4 +332,4 @@ def _sketched(low: float, high: float, row: Column, rtol: float) -> tuple[Decisi
     if piece.error <= limit:
         return Accept(piece), math.inf
     hidden_by_tail = last > max(limit / 2, rtol * largest)
-    return _estimated(row), math.inf if hidden_by_tail else limit / 2 / _ERRORS_OF_COEFFICIENT
+    return _estimated(row), math.inf if hidden_by_tail else limit / 2 / grid(NODES).lebesgue

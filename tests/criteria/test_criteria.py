@@ -91,11 +91,16 @@ def test_random_weights_and_thin_layers():
         (1 / (2 + s), "must be a polynomial in s"),
         (sp.oo, "must be a polynomial in s"),
         (s < 1, "is an expression in s"),
+        (43 * s**42 / 2, "is of degree 42; take one of degree 40 at most"),
     ],
 )
 def test_a_weight_that_is_no_average_is_refused(weight, message):
     with pytest.raises(ss.InputError, match=message):
         ss.criteria.Criterion("mine", weight, "nobody")
+
+
+def test_weights_are_of_degree_40_at_most():
+    assert ss.criteria.Criterion("high", 41 * s**40 / 2, "nobody").weight == 41 * s**40 / 2
 
 
 def test_a_logarithm_needs_a_weight_that_vanishes():

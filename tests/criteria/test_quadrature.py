@@ -52,6 +52,21 @@ def test_constant_law_and_no_load():
     assert ss.quadrature.damping(ss.laws.exponential.typical(), V=1, N=0) == 0
 
 
+@pytest.mark.parametrize(("orders", "is_followed"), [(380, True), (420, False)])
+def test_digits_that_cancel_are_followed_as_far_as_is_said(orders, is_followed):
+    """A slope of 1e-380 below a coefficient of 1 is found; one of over 400 orders counts as 0."""
+    law = ss.FrictionLaw("1 - a*v").bind(a=f"1e-{orders}")
+    found = ss.quadrature.damping(law, V=1, N=1, digits=5)
+    assert mpmath.almosteq(found, mpmath.mpf(10) ** -orders, 1e-4) if is_followed else found == 0
+
+
+def test_as_many_digits_as_is_said():
+    law = ss.FrictionLaw("0.3")
+    assert ss.quadrature.damping(law, V=1, N=1, digits=10_000) == 0
+    with pytest.raises(ss.InputError, match="outside 1 to 10000"):
+        ss.quadrature.damping(law, V=1, N=1, digits=10_001)
+
+
 @sweep("text", ["0.3 + log(v - 0.2)", "0.3/(v - 0.3)", "sqrt(v - 0.1)"], "0.3 + log(v - 0.2)", "sqrt(v - 0.1)")
 def test_a_law_without_real_values_is_refused(text):
     with pytest.raises(ss.InputError, match="not a finite real number at v = "):

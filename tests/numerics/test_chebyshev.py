@@ -27,6 +27,19 @@ def test_matrices_are_those_of_polynomials(n):
         assert chebyshev.tail(coefficients, 2) == np.abs(coefficients[-2:]).max()
 
 
+@pytest.mark.parametrize("n", [2, 5, 17, 40])
+def test_errors_of_values_are_errors_of_the_polynomial(n):
+    """By no more than Lebesgue's constant, which signs at the nodes reach: 2/pi log(n) and about one."""
+    grid = chebyshev.grid(n)
+    places = np.linspace(-1, 1, 501)
+    for signs in np.random.default_rng(n).choice([-1.0, 1.0], (20, n)):
+        off = reference.chebval(places, signs @ grid.coefficients)
+        assert np.abs(off).max() <= grid.lebesgue * (1 + 1e-12)
+    worst = np.sign(grid.coefficients.sum(axis=1))
+    assert reference.chebval(1.0, worst @ grid.coefficients) == pytest.approx(grid.lebesgue)
+    assert grid.lebesgue == pytest.approx(2 / np.pi * np.log(n) + 0.9625, abs=0.05)
+
+
 def test_nodes_of_many_intervals():
     x = chebyshev.grid(5).between(np.array([0.0, 2.0]), np.array([1.0, 6.0]))
     assert x[1] == pytest.approx(4 + 2 * reference.chebpts1(5))
