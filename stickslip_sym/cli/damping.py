@@ -14,9 +14,6 @@ from stickslip_sym.core.aliases import Json
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.files import write_text
 
-_TIGHTEST_RTOL = 1e-10  # asked of every method that can be made more accurate, with --all
-
-
 if TYPE_CHECKING:
     from stickslip_sym.motion.thresholds.threshold import Threshold
 
@@ -37,6 +34,8 @@ def run(given: Given) -> None:
 
     Example: stickslip damping exponential -p alpha=3 -V 0.5 -N 9.81 -m 1 -k 100 --all
     """
+    from stickslip_sym.comparison.compare import COMPARED_RTOL
+
     method = None if given["all"] else given["method"]
     rtol = given["rtol"]
     limit = given["time_limit"]
@@ -54,7 +53,7 @@ def run(given: Given) -> None:
         given.reject_unused()
         if method is None:
             with show_progress("thresholds by every method"):
-                compared = ss.compare(at.law, None, rtol=min(rtol, _TIGHTEST_RTOL), time_limit=limit, **at.texts)
+                compared = ss.compare(at.law, None, rtol=min(rtol, COMPARED_RTOL), time_limit=limit, **at.texts)
             contents.append({"operating_point": at, "rows": compared.rows})
             texts.append(f"{at}\n\n{compared}")
             if plot is not None:

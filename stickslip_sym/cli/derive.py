@@ -13,14 +13,12 @@ from stickslip_sym.cli.arguments import criteria_of, point
 from stickslip_sym.cli.options import Given, option
 from stickslip_sym.cli.output import echo_all, show_progress
 from stickslip_sym.core.aliases import Json
+from stickslip_sym.core.deadline import SECONDS_TO_DERIVE
 from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.core.progress import steps
 
 if TYPE_CHECKING:
     from stickslip_sym.formula.closed_form import ClosedForm
-
-SECONDS = 120.0  # of the search for one closed form
-_MOST_FORMULA_CHARACTERS = 4000  # characters of a formula on the screen
 
 
 @options.command(
@@ -28,7 +26,7 @@ _MOST_FORMULA_CHARACTERS = 4000  # characters of a formula on the screen
     option("--steps", is_flag=True, help="Print every step of the derivation."),
     option("--verify", is_flag=True, help="Run the page in SymPy that proves the formula."),
     options.file_option("--latex", help="Write the formula as LaTeX."),
-    options.time_limit_option("Seconds for each criterion (120).", SECONDS),
+    options.time_limit_option(f"Seconds for each criterion ({SECONDS_TO_DERIVE:.0f}).", SECONDS_TO_DERIVE),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Derive the closed form of a criterion, prove it, and cross-check its value.
@@ -86,7 +84,7 @@ def run(given: Given) -> None:
 
 
 def derived(
-    wanted: Sequence[tuple[ss.FrictionLaw, ss.Criterion]], seconds: float = SECONDS
+    wanted: Sequence[tuple[ss.FrictionLaw, ss.Criterion]], seconds: float = SECONDS_TO_DERIVE
 ) -> list[ClosedForm | NoClosedForm]:
     """Return the closed form of each law and criterion, or why there is none."""
     forms: list[ClosedForm | NoClosedForm] = []
@@ -108,15 +106,16 @@ def _form_lines(form: ClosedForm) -> list[str]:
     """Return a form as lines of text, its formula no longer than a few screens."""
     from stickslip_sym.formula.proof.normal_form import arguments_of_arctangents, factor_of_sign
     from stickslip_sym.output import abbreviation, printing
+    from stickslip_sym.output.tables import MOST_FORMULA_CHARACTERS
 
     if form.law.curve is not None:
         shown = f"  c = average of the {form.law.curve} (--json has its cubics)"
         return [repr(form), "", shown, "", form.verdict.evidence]
     general, letters = form.readable
     shown = abbreviation.indented_equation("c", general.expr)
-    if len(shown) > _MOST_FORMULA_CHARACTERS:
+    if len(shown) > MOST_FORMULA_CHARACTERS:
         size = len(printing.text(general.expr))
-        shown = f"{shown[:_MOST_FORMULA_CHARACTERS]}... ({size} characters; --latex and --json write it whole)"
+        shown = f"{shown[:MOST_FORMULA_CHARACTERS]}... ({size} characters; --latex and --json write it whole)"
     values = ", ".join(
         f"{letter} = {printing.value(value)}" for letter, value in letters.items() if general.expr.has(letter)
     )

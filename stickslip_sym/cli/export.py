@@ -11,9 +11,10 @@ import click
 import stickslip_sym as ss
 from stickslip_sym.cli import options
 from stickslip_sym.cli.arguments import criteria_of, law_described
-from stickslip_sym.cli.derive import SECONDS, derived
+from stickslip_sym.cli.derive import derived
 from stickslip_sym.cli.options import Given, file_option, option, pairs
 from stickslip_sym.cli.output import echo_json
+from stickslip_sym.core.deadline import SECONDS_TO_DERIVE
 from stickslip_sym.core.errors import InputError, NoClosedForm
 from stickslip_sym.core.names import suggestion
 from stickslip_sym.formula.code.languages import LANGUAGES
@@ -33,7 +34,7 @@ _KINDS = ("latex", *LANGUAGES, "certificate", "save")
     option("--fragment", is_flag=True, help="LaTeX for \\input: without preamble."),
     option("--steps", is_flag=True, help="LaTeX with every step of the derivations."),
     pairs("--symbol", text="Print a symbol otherwise.", example="--symbol V=v_b", metavar="NAME=LATEX"),
-    options.time_limit_option("Seconds for each criterion (120).", SECONDS),
+    options.time_limit_option(f"Seconds for each criterion ({SECONDS_TO_DERIVE:.0f}).", SECONDS_TO_DERIVE),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Write criteria as LaTeX, Python, C, Octave or a proof. If anything fails, nothing is written.

@@ -23,6 +23,7 @@ import click
 from stickslip_sym.core.aliases import Json
 from stickslip_sym.core.progress import StepOfWork, report_every_step_to
 from stickslip_sym.core.version import __version__
+from stickslip_sym.output.tables import SHOWN_CHARACTERS
 
 if TYPE_CHECKING:
     from stickslip_sym.cli.arguments import Point
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
 PRINTED = "stickslip_sym: an object of JSON"
 """Marks a call that has printed one: an error that follows prints no second."""
 _FORMAT = 3
-_MOST_STEP_CHARACTERS = 60  # characters of what is under way
 
 
 @contextmanager
@@ -59,10 +59,10 @@ def show_progress(what: str) -> Iterator[None]:
 
 
 def _progress_text(step: StepOfWork) -> str:
-    if len(step.what) <= _MOST_STEP_CHARACTERS:
+    if len(step.what) <= SHOWN_CHARACTERS:
         words = step.what
     else:
-        words = f"{step.what[:_MOST_STEP_CHARACTERS]}..."
+        words = f"{step.what[:SHOWN_CHARACTERS]}..."
     if step.total > 1:
         return f"{words} ({step.done} of {step.total})"
     return words

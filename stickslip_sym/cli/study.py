@@ -11,10 +11,10 @@ from stickslip_sym.cli.arguments import points, reading_of
 from stickslip_sym.cli.fit import fit_file, laws_to_fit
 from stickslip_sym.cli.options import Given, option
 from stickslip_sym.cli.output import echo_all, show_progress
+from stickslip_sym.core.deadline import SECONDS_OF_PART
 from stickslip_sym.core.errors import InputError
 
 _PAGE, _PAGES = "study.html", (".html", ".htm", ".xhtml")
-_SECONDS_FOR_CRITERIA = 20.0  # for the criteria of a page with sliders
 
 
 @options.command(
@@ -25,7 +25,7 @@ _SECONDS_FOR_CRITERIA = 20.0  # for the criteria of a page with sliders
     options.file_option(
         "--explore", endings=_PAGES[:2], help="A page with sliders, in place of the study's, or with -o beside it."
     ),
-    options.time_limit_option("Seconds for each part (20)."),
+    options.time_limit_option(f"Seconds for each part ({SECONDS_OF_PART:.0f})."),
 )  # fmt: skip
 def run(given: Given) -> None:
     """Write one page on one operating point: law, thresholds, motions, uncertainty, margins, formulas.
@@ -103,7 +103,7 @@ def run(given: Given) -> None:
                 explored = explorer(
                     point.law if best is None else best.law.bind(**best.uncertain), osc, title=name or "",
                     errors=carried_by(osc, point.texts), measured=measured if best is None else best.measured,
-                    time_limit=limit or _SECONDS_FOR_CRITERIA,
+                    time_limit=limit or SECONDS_OF_PART,
                 )  # fmt: skip
             write_text(sliders, explored)
             written.append(f"{sliders}: {len(explored) / 1000:.0f} kB, with sliders")

@@ -36,6 +36,12 @@ from stickslip_sym.output.tables import duration
 if TYPE_CHECKING:
     from stickslip_sym.output.shown import Figure
 
+COMPARED_RTOL = 1e-10
+"""Relative error that methods are asked for unless a user says otherwise."""
+TIGHT_RTOL = 1e-11
+"""The same where digits are shown, or costs are measured; a simulation states 1e-12 at best."""
+EXPLAINED_RTOL = 1e-6
+"""The same of values that say why a threshold is what it is, or how far it is."""
 Quantity: TypeAlias = float | str | UFloat
 """A quantity of an operating point in SI units, perhaps with a standard error."""
 Result = TypeVar("Result")
@@ -191,7 +197,7 @@ def compare(
     osc: Oscillator | None = None,
     *,
     methods: str | Sequence[str] | None = None,
-    rtol: float = 1e-10,
+    rtol: float = COMPARED_RTOL,
     time_limit: float | None = None,
     **point: Quantity,
 ) -> Comparison:

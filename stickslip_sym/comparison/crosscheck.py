@@ -8,7 +8,7 @@ from functools import partial
 import mpmath
 import numpy as np
 
-from stickslip_sym.comparison.compare import Comparison, measured
+from stickslip_sym.comparison.compare import EXPLAINED_RTOL, TIGHT_RTOL, Comparison, measured
 from stickslip_sym.core.aliases import Json, Mpf
 from stickslip_sym.core.errors import StickSlipError
 from stickslip_sym.core.numbers import Number, exact
@@ -24,11 +24,7 @@ from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 
 _NAMED_DIFFERENCE = 0.05  # relative difference of two values from which on its reason is named
 _STIFFNESS_RATIO = 1e4  # times the stiffness: N/(V sqrt(k m)) falls to a hundredth, where friction is weak
-_SHOWN_RTOL, _THRESHOLD_DIGITS = (
-    1e-11,
-    12,
-)  # relative error of the threshold in the table, and digits of it: the last may be off
-_EXPLAINED_RTOL = 1e-6  # of the thresholds that a difference is explained by
+_THRESHOLD_DIGITS = 1 - round(math.log10(TIGHT_RTOL))  # of the threshold in the table: the last may be off
 _FEWEST_POINTS = 5  # points of which one may be left out
 
 
@@ -54,7 +50,7 @@ def crosscheck(
         methods["closed form"] = partial(form.evaluate, digits, **at)
     methods |= {
         f"quadrature, {digits} digits": partial(quadrature.damping, law, criterion, **at, digits=digits),
-        "event-driven threshold": partial(_simulated, law, numbers, _SHOWN_RTOL),
+        "event-driven threshold": partial(_simulated, law, numbers, TIGHT_RTOL),
     }
     error = scatter(law, criterion, numbers["V"], numbers["N"])
     values = list[Mpf | float]()
@@ -81,7 +77,7 @@ def crosscheck(
     return CrossCheck(criterion.name, tuple(rows), point, tuple(remarks))
 
 
-def _simulated(law: FrictionLaw, point: Mapping[str, float], rtol: float = _EXPLAINED_RTOL) -> float:
+def _simulated(law: FrictionLaw, point: Mapping[str, float], rtol: float = EXPLAINED_RTOL) -> float:
     return float(pure_slip_damping(law, **point, method="simulation", rtol=rtol).value)
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip_sym.core.aliases import Span
+from stickslip_sym.core.probabilities import UNLIKELY, USUAL_PROBABILITY, VERY_UNLIKELY
 from stickslip_sym.core.uncertain import interval_text, text_with_error
 from stickslip_sym.model.fitting.averaged import Averaged
 from stickslip_sym.model.fitting.weights import RANKED
@@ -16,9 +17,6 @@ from stickslip_sym.output.data import DataResult
 
 _FEWEST_SPEEDS = 5  # speeds, below which the range of the threshold is stated, and no decision
 _AVERAGED = 6  # speeds, from which the average over laws decides, and not all laws together
-_PROBABILITY_OF_DECISION = 0.95  # probability from which a decision is stated
-_LEAST_PROBABILITY = 0.001  # probability that is shown as no more than that
-_LEAST_OF_FEW = 0.01  # the same where laws cannot be ranked
 _NODES, _SHARES = np.polynomial.legendre.leggauss(24)  # friction is smooth there, but for a power of v
 
 
@@ -95,9 +93,9 @@ class Decision(DataResult):
         possible = self._possible
         if possible is None or self._speeds < _FEWEST_SPEEDS:
             return None
-        if possible[0] > _PROBABILITY_OF_DECISION:
+        if possible[0] > USUAL_PROBABILITY:
             return True
-        return False if possible[1] < 1 - _PROBABILITY_OF_DECISION else None
+        return False if possible[1] < 1 - USUAL_PROBABILITY else None
 
     @property
     def probability(self) -> float | None:
@@ -145,7 +143,7 @@ class Decision(DataResult):
     @property
     def least(self) -> float:
         """The probability that is shown as no more than that."""
-        return _LEAST_OF_FEW if self.few else _LEAST_PROBABILITY
+        return UNLIKELY if self.few else VERY_UNLIKELY
 
     def _in_words(self, chance: float) -> str:
         shown = chance_in_words(chance, self.least)

@@ -14,23 +14,21 @@ from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 Plane: TypeAlias = dict[str, FloatArray]
 """Belt speeds V, slope averages, exact thresholds in kg/s and their standard errors there; NaN where none is."""
 _CURVE_POINTS = 33  # of a curve over belt speed
-_REACHED = 2.0  # times the belt speed
-_CURVE_RTOL = 1e-4  # relative error of that curve, below the width of a line
+CURVE_RTOL = 1e-4  # relative error of thresholds of which many are computed: below the width of a line
 _AVERAGES = ("equilibrium", "least_squares", "harmonic")
 
 
 def plane(law: FrictionLaw, given: Mapping[str, float | UFloat], speed: float) -> Plane:
     """Return the thresholds, for given N, m and k, up to twice a belt speed, or as far as mu was measured."""
-    if law.v_max is None:
-        top = _REACHED * speed
-    else:
-        top = min(_REACHED * speed, float(law.v_max) / 2)
+    top = 2 * speed
+    if law.v_max is not None:
+        top = min(top, float(law.v_max) / 2)
     V = np.linspace(top / _CURVE_POINTS, top, _CURVE_POINTS)
     averages = {name: pure_slip_damping(law, V=V, N=given["N"], method=name).value for name in _AVERAGES}
 
     def exact(V: FloatArray) -> FloatArray:
         try:
-            threshold = pure_slip_damping(law, V=V, N=given["N"], m=given["m"], k=given["k"], rtol=_CURVE_RTOL)
+            threshold = pure_slip_damping(law, V=V, N=given["N"], m=given["m"], k=given["k"], rtol=CURVE_RTOL)
         except (NotConverged, NoThreshold):
             if len(V) == 1:
                 return np.full((2, 1), np.nan)

@@ -12,10 +12,10 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Literal
 
-from stickslip_sym.comparison.compare import Row, compare
+from stickslip_sym.comparison.compare import EXPLAINED_RTOL, Row, compare
 from stickslip_sym.comparison.decision import Decision, unmeasured_part, value_text
-from stickslip_sym.comparison.plane import Plane, plane
-from stickslip_sym.core.deadline import require_seconds
+from stickslip_sym.comparison.plane import CURVE_RTOL, Plane, plane
+from stickslip_sym.core.deadline import SECONDS_OF_PART, require_seconds
 from stickslip_sym.core.deadline import time_limit as limited
 from stickslip_sym.core.errors import InputWarning, StickSlipError
 from stickslip_sym.core.numbers import require_type
@@ -42,10 +42,6 @@ from stickslip_sym.output.shown import Report, views_of
 from stickslip_sym.output.tables import now
 
 _PERIODS_SHOWN = 8  # of free vibration, that the motion is shown for
-_EACH = 20.0  # seconds that one part may take
-_STUDY_RTOL = 1e-10  # of thresholds
-_CRITICAL_RTOL = 1e-6  # of critical values
-_AVERAGED_RTOL = 1e-4  # of thresholds that are averaged over laws
 _PARTS_OF_TIME = 5  # of the time for a part, that one quantity, method or law may take
 _PROBABILITY_SAMPLES = 200  # for the probability, where a threshold takes less than a millisecond
 
@@ -386,7 +382,7 @@ def study(
     carried = carried_by(osc, errors or {})
     friction.require_speed(osc.V)
     limit = require_seconds(time_limit)
-    seconds = _EACH if limit is None else limit
+    seconds = SECONDS_OF_PART if limit is None else limit
     subject = _Subject(friction, osc, carried, fits, seconds)
     own = []
     if fit is not None:
@@ -469,7 +465,7 @@ def _stated_error(threshold: Threshold[float]) -> float:
 
 def _answers(subject: _Subject) -> tuple[Row, ...]:
     """Return thresholds by every method, and keep the most accurate of those that are not proved for the rest."""
-    rows = compare(subject.law, rtol=_STUDY_RTOL, time_limit=subject.each, **subject.point).rows
+    rows = compare(subject.law, time_limit=subject.each, **subject.point).rows
     thresholds = [row.threshold for row in rows if row.method in ("simulation", "orbit")]
     known = [threshold for threshold in thresholds if threshold is not None]
     subject.threshold = min(known, key=_stated_error, default=None)
@@ -513,7 +509,7 @@ def _margins(subject: _Subject) -> Margins:
     quick = law.bound.obstacle(2 * osc.V) is None
     how: dict[str, Any] = {
         "samples": _PROBABILITY_SAMPLES if quick and subject.fits is None else 0,
-        "rtol": _CRITICAL_RTOL,
+        "rtol": EXPLAINED_RTOL,
         "reach": REACH,
         "each": subject.each,
     }
@@ -539,7 +535,7 @@ def _choice(subject: _Subject) -> Averaged | None:
 
     def estimate(law: FrictionLaw) -> SimpleNamespace:
         shared = subject.threshold if law == subject.law else None
-        threshold = shared or pure_slip_damping(law, **subject.point, rtol=_AVERAGED_RTOL, time_limit=subject.each)
+        threshold = shared or pure_slip_damping(law, **subject.point, rtol=CURVE_RTOL, time_limit=subject.each)
         return SimpleNamespace(
             value=threshold.value,
             uncertainty=threshold.budget and threshold.budget.uncertainty,

@@ -16,13 +16,13 @@ import numpy as np
 import sympy as sp
 from flint import arb
 
-from stickslip_sym.comparison.compare import Comparison, Row, measured, threshold_row
+from stickslip_sym.comparison.compare import TIGHT_RTOL, Comparison, Row, measured, threshold_row
 from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.aliases import FloatArray, Json
 from stickslip_sym.core.errors import InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.names import lookup
-from stickslip_sym.core.numbers import Number, exact
+from stickslip_sym.core.numbers import SEED, Number, exact
 from stickslip_sym.core.precision import mp
 from stickslip_sym.core.progress import steps
 from stickslip_sym.core.remedies import Call, ParameterValues
@@ -48,26 +48,18 @@ if TYPE_CHECKING:
     from stickslip_sym.output.shown import Axes
 
 KINDS = ("criterion", "threshold", "basin")
-_DERIVING = 120.0  # seconds of the search for a closed form
-GAUSS_NODES = (2, 4, 8, 16, 32)
+GAUSS_NODES = [2**power for power in range(1, 6)]
 DIGITS = (15, 30, 50)
-_REFERENCE_DIGITS = 70
+_REFERENCE_DIGITS = 2 * DIGITS[-1]
 _ARRAY = 100_000  # elements over which the time of an array function is averaged
 SPEEDS = np.linspace(0.05, 1.0, 20)
 """Belt speeds in m/s over which the largest error of a threshold is taken, those without a threshold left out."""
 BISECTED = (1e-3, 1e-6, 1e-9)
-"""Tolerances of ``scipy.integrate.solve_ivp`` for a threshold, whose own is the first."""
+"""Tolerances of ``scipy.integrate.solve_ivp``, whose own is the first; the last is too slow for many motions."""
 SCAN_STEP = 0.001  # kg/s, the paper's
-_TIGHTEST_ERROR = 1e-11
-"""Relative error that methods are asked for; a simulation states 1e-12 at best, and is refused there."""
 _REACH = 4 / 3  # of the box of initial conditions: in V/omega to both sides of 0, and in V
 SIMULATED = (50, 200, 800)
-"""Numbers of initial conditions that are simulated."""
-WRITTEN = 50
-"""Number that runs of SciPy take: each takes some ten times as long."""
-TOLERANCES = (1e-3, 1e-6)
-"""Of these runs; the first is SciPy's own."""
-_SEED = 1  # of the initial conditions
+"""Numbers of initial conditions that are simulated; runs of SciPy take the least, as each is ten times as long."""
 _REPEATED: Any = {"least": 3, "enough": 0.02}  # runs of what takes less, and their seconds together, at least
 _LARGEST, _SPREAD = "largest error up to V = 1 m/s", "standard error"  # what else is measured
 
@@ -228,8 +220,8 @@ def _title(what: str, law: FrictionLaw, point: Mapping[str, object]) -> str:
 
 
 def _measure_criterion(law: FrictionLaw, criterion: Criterion, point: Mapping[str, Number]) -> Trade:
-    """Measure the methods for the value of a criterion, held against the closed form in 70 digits."""
-    form = derive(law, criterion, time_limit=max(0.0, min(_DERIVING, deadline.time_left())))
+    """Measure the methods for the value of a criterion, held against the closed form in twice the digits."""
+    form = derive(law, criterion, time_limit=max(0.0, min(deadline.SECONDS_TO_DERIVE, deadline.time_left())))
     # Floats are what every method gets, so that none is blamed for the rounding of the input.
     at = {name: float(exact(point[name], name)) for name in "VN"}
     numbers: dict[str, Any] = at | {name: float(value) for name, value in law.values.items()}
@@ -303,7 +295,7 @@ def _threshold(law: FrictionLaw, point: Mapping[str, float]) -> Trade:
             numbers = {**point, "V": V}
         else:
             numbers = {"V": V, "N": point["N"]}
-        return pure_slip_damping(law, **numbers, method=method, rtol=_TIGHTEST_ERROR if method.converges else 1.0)
+        return pure_slip_damping(law, **numbers, method=method, rtol=TIGHT_RTOL if method.converges else 1.0)
 
     right = by("orbit").value
     if not right > 0:
@@ -366,7 +358,7 @@ def _basin(law: FrictionLaw, point: Mapping[str, float], c: float | None) -> Tra
     def rests(x: float, v: float) -> bool:
         return classify(law, osc, x0=x, v0=v) is Motion.REST
 
-    rng = np.random.default_rng(_SEED)
+    rng = np.random.default_rng(SEED)
     initial = np.column_stack([rng.uniform(*ends, max(SIMULATED)) for ends in (x0, v0)]).tolist()
     sides = basins.regime.by_side(*np.transpose(initial)).tolist()
     truth = [
@@ -391,9 +383,9 @@ def _basin(law: FrictionLaw, point: Mapping[str, float], c: float | None) -> Tra
     exact = {"value": right.value, "relative_error": float(right.error / right.value), "further": {_SPREAD: 0.0}}
     rows = [measured("geometry", geometry, lambda _: exact, **_REPEATED)]
     deciders = [("simulation", "", rests, count) for count in SIMULATED] + [
-        (f"solve_ivp {name}", f"rtol {rtol:.0e}, ", partial(decide, law, osc, rtol=rtol), WRITTEN)
+        (f"solve_ivp {name}", f"rtol {rtol:.0e}, ", partial(decide, law, osc, rtol=rtol), min(SIMULATED))
         for name, decide in (("with events", comes_to_rest), ("smoothed", comes_to_rest_smoothed))
-        for rtol in TOLERANCES
+        for rtol in BISECTED[:-1]
     ]
     for name, setting, decide, count in deciders:
         rows.append(measured(name, partial(sampled, decide, count), judge, setting=f"{setting}{count} samples"))
@@ -420,13 +412,12 @@ def _damping_between_thresholds(law: FrictionLaw, point: Mapping[str, float]) ->
 #
 # Section 3 of the paper: step 1e-4 s, |v_r| <= 1e-4 m/s counts as v_r = 0; section 5: the damping is scanned from
 # 0 to 6 kg/s in steps of 0.001 kg/s. The paper leaves open how the friction force enters a step; here it is
-# iterated to the velocity at the end of the step. All dampings run side by side, one element of an array each.
+# that of the velocity at its beginning, which moves thresholds by a tenth of such a step. All dampings run side by
+# side, one element of an array each.
 
 BAND_ABOVE_REST = 1e-4  # m/s, the paper's
-_ITERATIONS = 3  # of the friction force in a Newmark step; it changes by 1e-4 relative in one
 _ROUND = 1.5 * 2 * math.pi  # time in 1/omega within which a slip comes back to the belt's speed, if it does
 _TIME_OF_RUN = 80 * 2 * math.pi  # time of a run in 1/omega
-_LAST = 0.2  # of it, at its end, that decides about rest
 _QUIET = 0.1  # largest speed at rest, over the belt's
 _SMOOTHED = 0.01  # of the smoothed sign of the slip speed, over the belt's
 _DEFAULTS = {"method": "RK45", "max_step": math.inf}
@@ -460,15 +451,11 @@ def pure_slip_by_scan(
         away = away | (v - V < -band)
         v_free = v + h / 2 * a
         x_free = x + h * v + h * h / 4 * a
-        v_new = v
-        for _ in range(_ITERATIONS):
-            relative = v_new - V
-            # At v_r = 0 a mass that static friction cannot hold is dragged on by the belt.
-            force = np.where(relative > 0, -1.0, 1.0) * law.mu(np.abs(relative)) * osc.N
-            a_new = (force - c * v_free - k * x_free) / effective
-            v_new = v_free + h / 2 * a_new
+        # At v_r = 0 a mass that static friction cannot hold is dragged on by the belt.
+        force = np.where(v > V, -1.0, 1.0) * law.mu(np.abs(v - V)) * osc.N
+        a_new = (force - c * v_free - k * x_free) / effective
         x = np.where(stick, x + h * V, x_free + h * h / 4 * a_new)
-        v = np.where(stick, V, v_new)
+        v = np.where(stick, V, v_free + h / 2 * a_new)
         a = np.where(stick, 0.0, a_new)
     first_free = int(np.argmin(returned))
     if returned[first_free:].any():
@@ -523,4 +510,5 @@ def comes_to_rest_smoothed(law: FrictionLaw, osc: Oscillator, x0: float, v0: flo
 
 
 def _is_quiet(t: FloatArray, v: FloatArray, osc: Oscillator) -> bool:
-    return bool(np.abs(v[t > (1 - _LAST) * t[-1]]).max() <= _QUIET * osc.V)
+    """Return whether a run is slow for its last period and a half."""
+    return bool(np.abs(v[t > t[-1] - _ROUND / osc.omega]).max() <= _QUIET * osc.V)

@@ -50,6 +50,9 @@ LEAST_RTOL = 1e-13
 """The least relative error that is promised of what is computed in doubles."""
 SAME = 1e-12
 """Relative distance of two numbers that stand for one: it is more than the rounding of a handful of operations."""
+ROOT_OF_ROUNDING = EPSILON**0.5
+"""Root of the rounding of a double: relative size of what may be told apart where squares or differences count."""
+NEXT_TO_ZERO = 1e-100  # in place of 0: its square, and one over that, are numbers
 _DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,4})?")
 NUMBER_BITS = 4000
 """Of a number that is no rational one, or of the longer part of a fraction: beyond the digits of any answer."""

@@ -4,10 +4,8 @@ import numpy as np
 from uncertainties import covariance_matrix
 
 from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.probabilities import NORMAL
 from stickslip_sym.model.law import FrictionLaw
-
-NORMAL = 1.96
-"""Standard errors on either side, 95 % of a normal distribution."""
 
 
 def error_band(law: FrictionLaw, v: FloatArray, quantile: float = NORMAL) -> tuple[FloatArray, FloatArray]:

@@ -8,8 +8,8 @@ from datetime import UTC, datetime
 from textwrap import wrap
 
 TERMINAL_WIDTH = 80  # characters of a line, where there is no terminal that is wider
-
-
+SHOWN_CHARACTERS = 60  # of a longer text, which only says what it is
+MOST_FORMULA_CHARACTERS = 4000  # of a formula on a screen; a longer one is left to files
 _BLANKS_BETWEEN_COLUMNS = 2  # blanks between columns
 _LONG_NUMBER = re.compile(r"-?\d+\.\d{30,}(?:e[-+]?\d+)?")
 """What is not broken, as it is copied as a whole."""

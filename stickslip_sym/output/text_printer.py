@@ -19,7 +19,6 @@ _LEAST_DENOMINATOR = 100  # least denominator of a decimal; a smaller one is rea
 _AMONG_DECIMALS = 5  # the same in a formula that has decimals: 0.4 beside 0.07, and 1/3
 _LEAST_COMPUTED_DENOMINATOR = 2**20  # least denominator of a binary number that was computed, not written
 _LONGEST_DECIMAL = 24  # characters
-_MOST_DIGITS = 400
 
 
 class Readable:
@@ -96,7 +95,7 @@ def decimal(number: Expr, *, shortest: bool = False, least: int = _LEAST_DENOMIN
     if q == 1:
         return str(number.p)
     if q >= least and q % 5 == 0 and 10**_LONGEST_DECIMAL % q == 0:
-        with localcontext(prec=_MOST_DIGITS):
+        with localcontext(prec=2 * _LONGEST_DECIMAL):
             text = f"{Decimal(int(number.p)) / Decimal(int(q)):f}"
         return text if len(text) <= _LONGEST_DECIMAL else ""
     is_double = shortest and q >= _LEAST_COMPUTED_DENOMINATOR and q & (q - 1) == 0

@@ -18,7 +18,7 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.shown import HeadedRows
 from stickslip_sym.output.tables import aligned_table
 from stickslip_sym.views import dispatch, markup
-from stickslip_sym.views.drawing import new_figure, picture, save_drawing
+from stickslip_sym.views.drawing import FIGURE_HEIGHT, new_figure, picture, save_drawing
 from stickslip_sym.views.pages.study_page import page_of_study, print_page_of_study
 from stickslip_sym.views.threshold_plane import figure_of_plane
 
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_WIDTH, _HEIGHT = 7.2, 3.5  # inches, of a panel of the picture
 _SMALLEST = 1e-51  # error of a method whose own is less
 _TITLE = 95  # characters of a line above a panel
 _MARKERS = "os^Dv<>"
@@ -134,7 +133,8 @@ def tradeoff_as_html(found: Tradeoff) -> str:
 def figure_of_tradeoff(found: Tradeoff) -> "Figure":
     """Return a panel for each number."""
     figure: Figure
-    figure, axes = new_figure(_WIDTH, _HEIGHT * len(found.trades), len(found.trades))
+    count = len(found.trades)
+    figure, axes = new_figure(height=count * FIGURE_HEIGHT, rows=count)
     for trade, ax in zip(found.trades.values(), axes[:, 0], strict=True):
         draw_trade(trade, ax)
     return figure

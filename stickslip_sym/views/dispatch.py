@@ -27,7 +27,6 @@ _FOLDERS = {
     "comparison",
 }  # fmt: skip
 """Whose results have views: each has a module here of its name."""
-_PANEL = 7.2, 5.6  # inches, of a figure of one panel
 
 
 @lru_cache
@@ -109,7 +108,7 @@ def title(result: object) -> str:
 @singledispatch
 def figure(result: object) -> "Figure":
     """Return a result as a figure of its own: as a rule one panel, with its legend below."""
-    made, axes = new_figure(*_PANEL)
+    made, axes = new_figure()
     handles = draw(result, axes[0, 0])
     axes[0, 0].set_title(title(result), fontsize=10)
     made.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=8, handlelength=3, handleheight=1.6)

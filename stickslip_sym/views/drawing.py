@@ -44,7 +44,8 @@ _TIMELESS: Any = {
     "png": {"Software": None},
 }
 """What files would say of the time and the machine that made them."""
-_INLINE = 90  # pixels an inch, of a picture among text
+FIGURE_WIDTH, FIGURE_HEIGHT = 7.0, 4.7  # inches, of a figure as wide as a notebook's text
+MOST_DRAWN = 3000  # points that are drawn each by itself: more take seconds, and are not seen
 
 
 def require_matplotlib() -> None:
@@ -66,14 +67,16 @@ def styled(**more: Any) -> Any:
     return rc_context(_STYLE | more)
 
 
-def empty_figure(width: float, height: float) -> Any:
+def empty_figure(width: float = FIGURE_WIDTH, height: float = FIGURE_HEIGHT) -> Any:
     """Return a figure of a size in inches, without axes."""
     from stickslip_sym.views.notebook_figure import NotebookFigure
 
     return NotebookFigure(figsize=(width, height), layout="constrained")
 
 
-def new_figure(width: float, height: float, rows: int = 1, columns: int = 1, **layout: Any) -> tuple[Any, Any]:
+def new_figure(
+    width: float = FIGURE_WIDTH, height: float = FIGURE_HEIGHT, rows: int = 1, columns: int = 1, **layout: Any
+) -> tuple[Any, Any]:
     """Return a figure of a size in inches, and its array of axes."""
     figure = empty_figure(width, height)
     return figure, figure.subplots(rows, columns, squeeze=False, **layout)
@@ -92,7 +95,7 @@ def panel_letters(axes: Any, titles: list[str]) -> None:
         ax.set_title(f"({letter})  {title}", loc="left", pad=4)
 
 
-def _rendered(figure: "Figure", kind: str, dpi: int = 160) -> bytes:
+def _rendered(figure: "Figure", kind: str, dpi: int | str = 160) -> bytes:
     """Return a figure as the content of a file; the same bytes for the same figure."""
     stream = io.BytesIO()
     with styled():
@@ -116,7 +119,7 @@ def picture(draw: "Callable[[], Figure]", alt: str) -> Markup:
         figure = draw()
     except StickSlipError:
         return Markup("")
-    content = b64encode(_rendered(figure, "png", _INLINE)).decode()
+    content = b64encode(_rendered(figure, "png", "figure")).decode()
     return Markup(f'<img src="data:image/png;base64,{content}" alt="{escape(alt)}"/>')
 
 

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_SIZE = 6.4, 5.0  # inches
-
 
 @dispatch.parts.register(Fit)
 def parts_of_fit(fit: Fit) -> list[str | HeadedRows]:
@@ -88,7 +86,7 @@ def draw_best_fit(fits: Fits, ax: "Axes") -> "Sequence[Artist]":
 def figure_of_fit(fit: Fit) -> "Figure":
     """Return the law with its band and the measured points, and the residuals below."""
     figure: Figure
-    figure, ((above,), (below,)) = new_figure(*_SIZE, 2, sharex=True, height_ratios=[3, 1])
+    figure, ((above,), (below,)) = new_figure(rows=2, sharex=True, height_ratios=[3, 1])
     draw_fit(fit, above)
     draw_rows(below, fit.measured, fit.residuals)
     below.axhline(0, color=BLUE, linewidth=1)

@@ -9,10 +9,10 @@ from html import escape
 from typing import TypeVar
 
 from stickslip_sym.core.foreign import printable
+from stickslip_sym.output.tables import MOST_FORMULA_CHARACTERS
 
 _PLAIN = 'class="mathjax_ignore tex2jax_ignore"'  # a dollar sign in a name starts no formula
-_MOST_LATEX_CHARACTERS = 4000  # characters of a formula
-_ENDS = 5  # items that are shown at either end of a long list
+ENDS = 5  # items that are shown at either end of a long list
 _SUBSCRIPT = re.compile(r"\b(mu|[a-zA-Z])_([a-zA-Z]|max|min|\d+)\b")
 _POWER = re.compile(r"(?:\*\*|\^)(-?[\d.]*\d)")
 _MINUS = re.compile(r"(?<![\w.])-(?=[\w(.<])|(?<= )-(?= )")
@@ -60,7 +60,7 @@ def marked_prose(text: str) -> Markup:
 
 def inline_formula(latex: str) -> Markup:
     """Return LaTeX as a formula in a line of text; of one that fills a page, its length."""
-    if len(latex) > _MOST_LATEX_CHARACTERS:
+    if len(latex) > MOST_FORMULA_CHARACTERS:
         return Markup(f"<i>a formula of {len(latex)} characters of LaTeX</i>")
     return Markup(f"<span>${escape(latex)}$</span>")
 
@@ -92,6 +92,6 @@ Item = TypeVar("Item")
 
 def shortened(rows: Sequence[Item]) -> list[Item | None]:
     """Return the rows, or the first and the last of many with a None between that stands for the rest."""
-    if len(rows) <= 2 * _ENDS + 1:
+    if len(rows) <= 2 * ENDS + 1:
         return list(rows)
-    return [*rows[:_ENDS], None, *rows[-_ENDS:]]
+    return [*rows[:ENDS], None, *rows[-ENDS:]]

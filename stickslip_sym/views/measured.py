@@ -7,14 +7,11 @@ from stickslip_sym.core.aliases import FloatArray, Rows
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.output.shown import HeadedRows
 from stickslip_sym.views import dispatch, markup
-from stickslip_sym.views.drawing import finish, picture
+from stickslip_sym.views.drawing import MOST_DRAWN, finish, picture
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
-
-_ROWS_SHOWN = 5  # rows of a preview
-_MOST_MARKS = 5000  # in a picture, beyond which they are drawn as an image and not each by itself
 
 
 @dispatch.parts.register(Measurements)
@@ -33,9 +30,9 @@ def _first_rows(measured: Measurements) -> HeadedRows:
     columns = measured.columns
     rows = [[f"{value:.6g}" for value in row] for row in zip(*columns.values(), strict=True)]
     left = []
-    if len(rows) > _ROWS_SHOWN:
+    if len(rows) > markup.ENDS:
         left = [["...", *[""] * (len(columns) - 1)]]
-    return ["v in m/s", "mu", "sigma"][: len(columns)], rows[:_ROWS_SHOWN] + left
+    return ["v in m/s", "mu", "sigma"][: len(columns)], rows[: markup.ENDS] + left
 
 
 @dispatch.notebook_html.register(Measurements)
@@ -59,7 +56,7 @@ def draw_rows(ax: "Axes", measured: Measurements, y: FloatArray) -> "list[Artist
     sigma = measured.sigma
     branches = measured.branches
     shown = list["Artist"]()
-    drawn = len(measured) > _MOST_MARKS
+    drawn = len(measured) > MOST_DRAWN
     if sigma is not None:
         ax.errorbar(v, y, sigma, fmt="none", ecolor="0.35", elinewidth=0.6, alpha=0.6, rasterized=drawn)
     kinds: list[tuple[str, str, str, Rows]] = [("measured", ".", "0.35", slice(None))]

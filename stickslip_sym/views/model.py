@@ -19,6 +19,7 @@ from stickslip_sym.model.laws import Catalogue
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.output import printing
 from stickslip_sym.output.notation import notation_of
+from stickslip_sym.output.tables import SHOWN_CHARACTERS
 from stickslip_sym.views import dispatch, markup
 from stickslip_sym.views.drawing import BLUE, finish, new_figure, save_drawing, styled
 from stickslip_sym.views.measured import draw_rows
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_SIZE = 5.5, 3.6  # inches
-_LEGEND_CHARACTERS = 60
 Band = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """From slip speeds to the lower and the upper end of mu."""
 
@@ -89,7 +88,7 @@ def draw_law(
         draw_rows(ax, measured, measured.mu)
     if band is not None:
         ax.fill_between(v, *band(v), color="#56B4E9", alpha=0.45, linewidth=0, label="95 % band")
-    ax.plot(v, law.at_speeds(v), color=BLUE, linewidth=1.6, label=label[:_LEGEND_CHARACTERS])
+    ax.plot(v, law.at_speeds(v), color=BLUE, linewidth=1.6, label=label[:SHOWN_CHARACTERS])
     ax.legend(loc="best")
     finish(ax, xlabel="slip speed $v$ (m/s)", ylabel=r"coefficient of friction $\mu$", xlim=(0, top))
 
@@ -106,7 +105,7 @@ def plot_law(law: FrictionLaw, path: str | Path | None, ax: "Axes | None", v_max
     band = partial(error_band, law) if law.uncertain else None
     with styled():
         if ax is None:
-            _, axes = new_figure(*_SIZE)
+            _, axes = new_figure()
             ax = axes[0, 0]
         draw_law(ax, law, top, None, band, law.name or law.text)
         figure: Any = ax.figure

@@ -4,14 +4,11 @@ import io
 
 from matplotlib.figure import Figure
 
-_DOTS = 110
-"""An inch, on a screen: a panel is as wide as a notebook's text."""
-
 
 class NotebookFigure(Figure):
     """A figure that a notebook shows, whether or not pyplot was imported."""
 
     def _repr_png_(self) -> bytes:
         stream = io.BytesIO()
-        self.savefig(stream, format="png", dpi=_DOTS)
+        self.savefig(stream, format="png")
         return stream.getvalue()

@@ -11,15 +11,13 @@ from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.motion.simulation.cycle import StickSlipCycle
 from stickslip_sym.motion.simulation.trajectory import Event, Phase, Trajectories, Trajectory, dense
 from stickslip_sym.views import dispatch, markup
-from stickslip_sym.views.drawing import empty_figure, finish, picture, save_drawing, styled
+from stickslip_sym.views.drawing import MOST_DRAWN, empty_figure, finish, picture, save_drawing, styled
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_STEPS_SHOWN = 3000  # steps in the picture of a notebook, some hundred rounds; more take seconds to draw
-_SIZE = 8.4, 4.2  # inches
 _LABELS = {"t": "time $t$ (s)", "x": "displacement $x$ (m)", "v": "velocity $\\dot x$ (m/s)"}
 _STYLES: dict[Phase, dict[str, Any]] = {
     Phase.STICK: {"color": "black", "linewidth": 2.6},
@@ -45,7 +43,7 @@ def trajectory_in_a_line(motion: Trajectory) -> str:
 @dispatch.notebook_html.register(Trajectory)
 def trajectory_as_html(motion: Trajectory) -> str:
     """Return the line, the picture of the last rounds, and the changes of phase."""
-    since = float(motion.t[max(motion.t.size - _STEPS_SHOWN, 0)])
+    since = float(motion.t[max(motion.t.size - MOST_DRAWN, 0)])
     drawn = picture(lambda: motion.plot(since=since), motion.summary)
     is_cut = bool(drawn) and since != motion.t[0]
     cut = []
@@ -100,7 +98,7 @@ def plot_trajectory(
 
 def _three_panels(motion: Trajectory, since: float) -> "Figure":
     """Return x and v over the time, and v over x."""
-    figure: Figure = empty_figure(*_SIZE)
+    figure: Figure = empty_figure()
     panels = figure.subplot_mosaic("xp;vp", width_ratios=(3, 2))
     panels["x"].sharex(panels["v"])
     for name, (across, up) in {"x": ("t", "x"), "v": ("t", "v"), "p": ("x", "v")}.items():

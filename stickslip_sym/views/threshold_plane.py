@@ -9,8 +9,8 @@ from uncertainties import UFloat
 
 from stickslip_sym.comparison.plane import Plane, plane
 from stickslip_sym.core.errors import InputError, StickSlipError
+from stickslip_sym.core.probabilities import NORMAL
 from stickslip_sym.core.remedies import Argument
-from stickslip_sym.model.error_band import NORMAL
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.views.drawing import BLUE, GREEN, ORANGE, finish, new_figure, styled
@@ -26,7 +26,6 @@ _LINES = {
     "harmonic": ("0.35", "-."),
     "second_order": ("#CC79A7", (0, (3, 1, 1, 1))),
 }
-_SIZE = 6.0, 4.2  # inches, of a picture of its own
 
 ABOVE: Look = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": 2, "fontsize": 7.5}
 """Of a legend above its picture."""
@@ -85,7 +84,7 @@ def figure_of_plane(threshold: Threshold[float]) -> "Figure":
     spread = {"V": NORMAL * getattr(point["V"], "std_dev", 0.0), "c": NORMAL * (threshold.uncertainty or 0.0)}
     with styled():
         figure: Figure
-        figure, axes = new_figure(*_SIZE)
+        figure, axes = new_figure()
         at = Oscillator(c=threshold.value, **nominal)
         draw_plane(axes[0, 0], curves, at, spread, f"{threshold.method} at $V$ = {nominal['V']:.4g} m/s")
     return figure

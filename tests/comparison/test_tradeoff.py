@@ -124,8 +124,7 @@ def test_thresholds_by_every_method(monkeypatch):
 @pytest.mark.parametrize("wrong", [False, True])
 def test_the_error_of_a_share_has_two_parts(monkeypatch, wrong):
     """The simulation decides every sample as the areas say, so only their number is left; wrong ones count too."""
-    monkeypatch.setattr(tradeoff, "SIMULATED", (10, 20))
-    monkeypatch.setattr(tradeoff, "WRITTEN", 10 if wrong else 2)
+    monkeypatch.setattr(tradeoff, "SIMULATED", (10, 20) if wrong else (2, 20))
     if wrong:
         monkeypatch.setattr(tradeoff, "comes_to_rest", lambda *_, **__: False)
         monkeypatch.setattr(tradeoff, "comes_to_rest_smoothed", lambda *_, **__: True)

@@ -83,8 +83,6 @@ SAME_FUNCTIONS = {
 SAME_NUMBERS = {
     "_HEIGHT": "of a picture",
     "_SEED": "of random numbers",
-    "_SIZE": "of a picture",
-    "_WIDTH": "of a picture",
 }
 
 

@@ -10,13 +10,11 @@ from scipy.special import ndtr, ndtri, stdtr, stdtrit
 
 from stickslip_sym.core.aliases import FloatArray, Span
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.numbers import NEXT_TO_ZERO, ROOT_OF_ROUNDING
+from stickslip_sym.core.probabilities import UNLIKELY, USUAL_PROBABILITY
 from stickslip_sym.output.data import DataResult, TableResult, columns_of
 
-USUAL_PROBABILITY = 0.95  # probability of an interval
 _PROBABILITIES = (np.arange(400) + 0.5) / 400  # probabilities at which the narrower of two errors is averaged over
-_SHARP = 1e-300  # a standard error in place of 0
-_BRACKET_LIKELIHOOD_RATIO = 100  # times less likely than the ends of an interval: there it is bracketed
-_BRACKET_RTOL = 1e-9  # of the bracket
 _BUILDS_UP = 0.03  # probability that friction builds up from 0 below the lowest measured speed, of each law
 _SHARES = (np.arange(8) + 0.5) / 8  # of the part that hangs on it, which any share of may be missing
 
@@ -146,11 +144,11 @@ class Averaged(TableResult):
         If friction may build up from 0 where it was not measured, it reaches down to what it is then.
         """
         measured = replace(self, rows=tuple(replace(row, unmeasured=0.0) for row in self.rows))
-        low, high = measured.range(1 - (1 - level) / _BRACKET_LIKELIHOOD_RATIO)
+        low, high = measured.range(1 - (1 - level) * UNLIKELY)  # far beyond the ends
         if not (np.isfinite([low, high]).all() and low < high):
             return low - self.unmeasured, high
 
-        resolved = _BRACKET_RTOL * (high - low)
+        resolved = ROOT_OF_ROUNDING * (high - low)
         bracket = low - resolved, high + resolved  # values without an error are steps of the probability
 
         def end(share: float) -> float:
@@ -184,7 +182,7 @@ def _probability_above(distance: float, scale: float, dof: float, error: float) 
     has one or two.
     """
     if error <= 0:
-        return float(stdtr(dof, distance / max(scale, _SHARP)))
+        return float(stdtr(dof, distance / max(scale, NEXT_TO_ZERO)))
     if error < scale:
         return float(np.mean(stdtr(dof, (distance + error * ndtri(_PROBABILITIES)) / scale)))
     return float(np.mean(ndtr((distance + scale * stdtrit(dof, _PROBABILITIES)) / error)))

@@ -19,7 +19,6 @@ _SIZES = np.geomspace(1e-12, 1e12, 4001)  # of a parameter, between which what i
 _RADIANS_BETWEEN_FREQUENCIES = 0.75  # radians over all speeds between two frequencies; a minimum is some 6 wide
 PHASES = np.pi / 4 * np.arange(1, 5)
 """Radians by which a wave is shifted, besides half a turn; none is near 0, the bound of a positive parameter."""
-_MOST_LEVELS = 400  # of a grid
 
 
 class SearchGrid(NamedTuple):
@@ -70,11 +69,9 @@ def features_of(
     speeds = speeds[speeds > 0]
     if len(speeds) < 2:
         return []
-    middles = _thinned((speeds[1:] + speeds[:-1]) / 2)
+    middles = (speeds[1:] + speeds[:-1]) / 2
     turns = np.pi * (len(speeds) - 1)  # a wave that turns faster between evenly spaced speeds is a slower one too
-    radians = np.linspace(
-        _RADIANS_BETWEEN_FREQUENCIES, turns, min(int(turns / _RADIANS_BETWEEN_FREQUENCIES), 3 * _MOST_LEVELS)
-    )
+    radians = np.arange(1, turns / _RADIANS_BETWEEN_FREQUENCIES) * _RADIANS_BETWEEN_FREQUENCIES
     arguments = [*free, *bound]
     features = list[SearchGrid]()
     taken = set[int]()
@@ -102,10 +99,3 @@ def features_of(
             highest, lower = sp.Poly(total, symbols.v).all_coeffs()[:2]
             add(-lower / (degree * highest), middles, breaks=False)
     return features
-
-
-def _thinned(levels: FloatArray) -> FloatArray:
-    kept: FloatArray = levels[
-        np.unique(np.linspace(0, len(levels) - 1, min(len(levels), _MOST_LEVELS)).astype(int))
-    ]
-    return kept

@@ -9,14 +9,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import chdtr, chdtrc, fdtrc
+from scipy.special import chdtr, chdtrc, chdtri, fdtrc
 
 from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import SAME
+from stickslip_sym.core.numbers import ROOT_OF_ROUNDING, SAME
+from stickslip_sym.core.probabilities import NORMAL, UNLIKELY, VERY_UNLIKELY
 from stickslip_sym.core.progress import report_counts_to, steps
 from stickslip_sym.core.remedies import AnySign, Argument, ParameterValues
-from stickslip_sym.model.error_band import NORMAL
 from stickslip_sym.model.fitting.lack_of_fit import chance_of_residuals, polynomials_of_rank
 from stickslip_sym.model.fitting.least_squares import Minimum, Problem
 from stickslip_sym.model.fitting.result import Fit, Fits
@@ -25,30 +25,16 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.laws import laws as catalogue
 from stickslip_sym.model.measured.measurements import Measurements
-from stickslip_sym.model.measured.noise import correlation_of
+from stickslip_sym.model.measured.noise import SAME_COEFFICIENT, correlation_of
 
 _USUAL: Any = {"divide": "warn", "over": "warn", "under": "ignore", "invalid": "warn"}
 """What NumPy does about errors unless a user has set otherwise: products underflow within SciPy's solvers too."""
-_STARTS = 4  # different ones; for most laws the best few of the trials lead to one minimum
-_ROWS_TO_BIN = 1000
-"""Rows, from which starts lead to a minimum of the means of bins, and the best to one of all rows."""
-_BINS = 300
-_LEAST_SINGULAR_VALUE = 1e-7
-"""Least singular value of the scaled derivatives over the largest: a smaller one has no effect."""
-_SAME_MINIMUM = 1e-8
-"""Relative difference of two sums of squares that are one minimum; two starts in it are enough."""
+_BINS = 300  # of many rows: starts lead to a minimum of their means, and the best to one of all rows
 _ERROR_OF_UNMEASURED = 100.0
 """Relative standard error, beyond which a parameter that is not linear was not measured."""
 _ERROR_WORTH_A_WARNING = 0.5  # relative standard error of a positive parameter that is worth a warning
 _MIXED = 0.1  # part in the direction without effect, over the largest: smaller parts are not named
 _CORRELATION_WORTH_A_WARNING = 0.999  # correlation of two parameters that is worth a warning
-_PROBABILITY_WORTH_A_WARNING = 1e-3
-"""Probability of what residuals show, if what is assumed of them holds, that is worth a warning."""
-_DESCRIBES = 0.01  # probability of what two further terms explain, below which a law does not describe the rows
-_FEWEST_ROWS_CORRELATED = 8  # rows, up to which no correlation stands out
-_JUMPS = 1e-6  # of the largest mu, between just below and just above a place
-_RELATIVE_DISTANCE_OF_SPEEDS = 1e-9  # relative distance of such speeds
-_RIVAL = 9.0  # rise of chi-squared, below which the noise may have chosen between two minima
 _RISEN = 0.75  # of the largest mu: a law with mu(0) = 0 has built up friction where it first reaches this
 
 
@@ -193,7 +179,7 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
     if not effective.all():
         raise _undetermined(names, place[~effective][:1], p)
     _, singular, rows_of_v = np.linalg.svd(derivatives / sizes, full_matrices=False)
-    if smooth.any() and singular[-1] <= _LEAST_SINGULAR_VALUE * singular[0]:
+    if smooth.any() and singular[-1] <= ROOT_OF_ROUNDING * singular[0]:  # its square is rounding
         part = np.abs(rows_of_v[-1])
         strength = np.zeros(k)
         strength[smooth] = sizes * p[smooth]
@@ -242,12 +228,12 @@ def _best_minimum(problem: Problem) -> tuple[Minimum | None, list[tuple[int, Min
     """
     measured = problem.measured
     coarse = problem
-    if len(measured) > _ROWS_TO_BIN:
+    if len(measured) > 3 * _BINS:
         means = measured.binned(_BINS)  # whose own scatter is no sigma
         coarse = Problem(problem.law, means if measured.sigma is not None else replace(means, sigma=None))
     best: Minimum | None = None
-    for minimum in filter(None, map(coarse.minimum, coarse.starts(_STARTS))):
-        if best is not None and abs(minimum.chi_squared - best.chi_squared) <= _SAME_MINIMUM * best.chi_squared:
+    for minimum in filter(None, map(coarse.minimum, coarse.starts())):
+        if best is not None and abs(minimum.chi_squared - best.chi_squared) <= ROOT_OF_ROUNDING * best.chi_squared:
             break
         best = min(best or minimum, minimum, key=lambda reached: reached.chi_squared)
     if best is None:
@@ -267,10 +253,8 @@ def _places_of_jumps(problem: Problem, p: FloatArray) -> tuple[str, ...]:
     for feature in problem.features:
         place = problem.measured_at(feature, p)
         if feature.breaks and place > 0:
-            below, at, above = law.at_speeds(
-                place * np.array([1 - _RELATIVE_DISTANCE_OF_SPEEDS, 1, 1 + _RELATIVE_DISTANCE_OF_SPEEDS])
-            )
-            if abs(above - below) > _JUMPS * max(abs(at), abs(above), abs(below)):
+            below, at, above = law.at_speeds(place * np.array([1 - ROOT_OF_ROUNDING, 1, 1 + ROOT_OF_ROUNDING]))
+            if abs(above - below) > SAME_COEFFICIENT * max(abs(at), abs(above), abs(below)):
                 if not feature.alone:
                     raise InputError(
                         "mu jumps at a place that several free parameters move; fix all but one of them"
@@ -284,7 +268,7 @@ def _rivals(fitted: Fit, rivals: list[tuple[int, Minimum]]) -> Iterator[str]:
     for i, minimum in rivals:
         name = list(fitted.values)[i]
         rise = (minimum.chi_squared - fitted.chi_squared) / fitted.variance
-        if rise < _RIVAL:
+        if rise < chdtri(1, VERY_UNLIKELY):  # the noise may have chosen
             yield (
                 f"{name} = {minimum.p[i]:.4g} describes the measurements nearly as well as "
                 f"{fitted.values[name]:.4g}: standard errors hold for one of them; measure at more speeds, or "
@@ -332,7 +316,7 @@ class _Noise(NamedTuple):
 def _noise_of(residuals: FloatArray, measured: Measurements, k: int) -> _Noise:
     """Return how residuals are correlated along the file and along the speed: the stronger of the two."""
     rounding = SAME * np.max(np.abs(measured.weights * measured.mu))
-    if len(residuals) <= _FEWEST_ROWS_CORRELATED or np.max(np.abs(residuals)) <= rounding:
+    if np.max(np.abs(residuals)) <= rounding:
         return _Noise()
     along_speed = _Noise(*correlation_of(residuals, k), "along the speed")
     if measured.order is None:
@@ -369,7 +353,7 @@ def _notes_on_rest(law: FrictionLaw, measured: Measurements) -> Iterator[str]:
     """Yield that rows at rest reach a coefficient above that of the first slip, if they do."""
     if measured.static_at_least is None or law.static is not None:
         return
-    first = float(law.at_speeds(np.array([_RELATIVE_DISTANCE_OF_SPEEDS * measured.v[-1]]))[0])
+    first = float(law.at_speeds(np.array([ROOT_OF_ROUNDING * measured.v[-1]]))[0])
     if measured.static_at_least > first:
         static = Argument("static", f"{measured.static_at_least:.4g}")
         yield (
@@ -381,19 +365,15 @@ def _notes_on_rest(law: FrictionLaw, measured: Measurements) -> Iterator[str]:
 def _lack_of_fit(problem: Problem, p: FloatArray, derivatives: FloatArray) -> Iterator[str]:
     """Yield that residuals follow the speed, if they do."""
     measured = problem.measured
-    polynomials = measured.weights * polynomials_of_rank(measured.v).T
+    polynomials = measured.weights * polynomials_of_rank(measured.v, derivatives.shape[1]).T
     chance = chance_of_residuals(
         problem.residuals(p),
         derivatives,
         measured.project_out_branches(polynomials).T,
         rounding_variance(measured),
     )
-    if chance is not None and chance < _DESCRIBES:
-        least = (
-            f"{chance:.1g}"
-            if chance >= _PROBABILITY_WORTH_A_WARNING
-            else f"less than {_PROBABILITY_WORTH_A_WARNING:g}"
-        )
+    if chance is not None and chance < UNLIKELY:
+        least = f"{chance:.1g}" if chance >= VERY_UNLIKELY else f"less than {VERY_UNLIKELY:g}"
         yield (
             "the law does not describe the measurements: residuals follow the speed as noise would with a "
             f"probability of {least}; take another law"
@@ -437,12 +417,12 @@ def _warnings(
         )
     known = measured.sigma is not None
     size = f"residuals are {np.sqrt(chi_squared / dof):.2g}{' times sigma' if known else ''}"
-    if known and chdtrc(dof, chi_squared / inflation) <= _PROBABILITY_WORTH_A_WARNING:
+    if known and chdtrc(dof, chi_squared / inflation) <= VERY_UNLIKELY:
         yield (
             f"{size}: the law does not describe the measurements, or sigma is too small; the standard errors rest "
             "on sigma"
         )
-    elif known and chdtr(dof, chi_squared) <= _PROBABILITY_WORTH_A_WARNING:
+    elif known and chdtr(dof, chi_squared) <= VERY_UNLIKELY:
         means = " and the file counts them," if measured.counts is not None else ""
         yield (
             f"{size}: sigma is too large; if each mu is the mean of n values,{means} and sigma is the standard "
@@ -462,7 +442,7 @@ def _warnings(
     if repeats > 0 and shapes > 0 and scatter > 0:
         ratio = (chi_squared - scatter) / shapes / (scatter / repeats)
         # Along the speed, a law that does not describe them is what correlates the residuals.
-        if fdtrc(shapes, repeats, ratio / noise.along_the_file) <= _PROBABILITY_WORTH_A_WARNING:
+        if fdtrc(shapes, repeats, ratio / noise.along_the_file) <= VERY_UNLIKELY:
             yield (
                 f"the law does not describe the measurements: {size}, and repeats at one speed scatter by "
                 f"{np.sqrt(scatter / repeats):.2g}; take another law"

@@ -6,7 +6,6 @@ from scipy.special import fdtrc
 from stickslip_sym.core.aliases import FloatArray
 
 _TERMS = 2
-_MOST_TERM_DEGREE = 10  # degree of a term: no law has as many parameters
 _LEFT = 0.2  # of a polynomial's norm: what the law does not explain of it, for it to be a term
 
 
@@ -43,8 +42,11 @@ def chance_of_residuals(
     return float(fdtrc(_TERMS, free, explained / _TERMS / (rest / free)))
 
 
-def polynomials_of_rank(v: FloatArray) -> FloatArray:
-    """Return Legendre polynomials of the rank of each row's speed, the constant first, as columns."""
+def polynomials_of_rank(v: FloatArray, k: int) -> FloatArray:
+    """Return Legendre polynomials of the rank of each row's speed, the constant first, as columns.
+
+    They are those among which a law of k parameters leaves two, and as many again.
+    """
     speeds, rank = np.unique(v, return_inverse=True)
     share = 2 * rank / max(len(speeds) - 1, 1) - 1
-    return np.polynomial.legendre.legvander(share, min(len(speeds) - 1, _MOST_TERM_DEGREE))
+    return np.polynomial.legendre.legvander(share, min(len(speeds) - 1, k + 2 * _TERMS))

@@ -1,5 +1,6 @@
 """The least squares of a friction law and measurements, by SciPy's `leastsq` with exact derivatives."""
 
+import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 from heapq import heapify, heappop, heappush
 from typing import Any, NamedTuple
@@ -11,33 +12,22 @@ from scipy.optimize import least_squares, leastsq, lsq_linear
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.core.numbers import NEXT_TO_ZERO, ROOT_OF_ROUNDING, SAME, SEED
 from stickslip_sym.model.at_rest import reals
 from stickslip_sym.model.expression.dimensions import parse_unit
 from stickslip_sym.model.fitting.features import PHASES, SearchGrid, features_of
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
 
-_SPEED_AT_REST = 1e-200  # m/s, in place of 0, where a power of v has no derivative with respect to its exponent
-_TOLERANCE = 1e-11  # relative, of the sum of squares and of the values; rounding allows 1e-14
-_ROUNDING_OF_COSINE = 1e-15  # cosine of the angle between residuals and derivatives that is 0
 _CONVERGED = range(1, 5)  # what `leastsq` returns where one of its tolerances is met
-_EVALUATIONS = 600  # of the law, for one start; more are needed only where values grow without bound
-_OUTSIDE = 1e6  # largest residual, in units of the largest weighted mu, and where the law has no real value
-_LARGEST_LOGARITHM = 690.0  # of a positive value, short of overflow
-_STEEPEST = 1e100  # largest derivative of a residual: its square and sums of such are finite
+_LARGEST_LOGARITHM = -math.log(NEXT_TO_ZERO)  # of a positive value
 
-_SEED = 1785
+_STARTS = 4  # different ones; for most laws the best few of the trials lead to one minimum
 _TRIALS = 40  # for each parameter in which mu is not linear; half of them where each has grids
-_SPEED_RANGE_FACTOR = 3.0
-"""Factor above the largest and below the smallest measured speed, between which speeds are tried."""
-_EXPONENTS = 0.2, 4.0  # the range of pure numbers that are tried
-_LOG_DISTANCE_OF_STARTS = 0.7  # natural logarithms by which some value differs between two starts
+_BEYOND = 4.0  # times 1, and its inverse, for pure numbers that are tried; for speeds, times the measured ones
 _APART_ON_A_GRID = 0.01  # the same, of a place or a frequency, beside which another minimum may be
-_FEWEST_TRIALS = 4  # of places and frequencies, each from another begin of the others
-_RIDGE = 1e-10  # of scaled normal equations, where two columns are one
 _RESIDUALS_A_BATCH = 500_000  # residuals of a grid that are computed at a time
 _GAPS_LOOKED_AT = 60  # gaps between speeds on either side, among which a place is looked for again
-_BETTER = 1e-9  # relative fall of a sum of squares that is worth another descent
 _BEST_OF_GRID = 2  # neighbours, each with the same wave half a turn on, which bounds of its height may ask for
 
 
@@ -74,7 +64,7 @@ class Problem:
         self.positive = np.array([used[name].positive for name in self.names], dtype=bool)
         self.linear = np.array([symbol in linear for symbol in free], dtype=bool)
         self._units = [used[name].unit for name in self.names]
-        self._v = np.maximum(measured.v, _SPEED_AT_REST)
+        self._v = np.maximum(measured.v, NEXT_TO_ZERO)  # a power of 0 has no derivative by its exponent
         self._weights = measured.weights
         self._mu = measured.project_out_branches(self._weights * measured.mu)
         self.sought = np.flatnonzero(~self.linear).tolist()
@@ -108,7 +98,8 @@ class Problem:
         logarithmic = self.positive & ~self.linear  # their bound 0 is no law's value: their logarithms are varied
         highest = np.where(logarithmic, _LARGEST_LOGARITHM, np.inf)
         lowest = np.where(self.positive & self.linear, 0.0, -highest)
-        outside = _OUTSIDE * float(np.max(np.abs(self._weights * self.measured.mu))) + 1.0
+        # Beside one as large, what other rows leave would be rounding.
+        outside = float(np.max(np.abs(self._weights * self.measured.mu))) / ROOT_OF_ROUNDING + 1.0
 
         def values(x: FloatArray) -> FloatArray:
             p = x.copy()
@@ -125,27 +116,26 @@ class Problem:
             p = values(x)
             with np.errstate(all="ignore"):
                 raw = self.jacobian(p) * np.where(logarithmic, p, 1.0)
-            return np.where(np.isfinite(raw), raw.clip(-_STEEPEST, _STEEPEST), 0.0)
+            return np.where(np.isfinite(raw), raw.clip(-1 / NEXT_TO_ZERO, 1 / NEXT_TO_ZERO), 0.0)
 
         p = start
         if len(start):
             begin = np.where(logarithmic, np.log(np.maximum(start, np.exp(-_LARGEST_LOGARITHM))), start)
             begin = np.clip(begin, lowest, highest)  # rounding may leave a start just outside
-            how: dict[str, Any] = {"ftol": _TOLERANCE, "xtol": _TOLERANCE}
+            how: dict[str, Any] = {"ftol": SAME, "xtol": SAME}
             # Levenberg and Marquardt's method knows no bounds, and follows flat valleys in fewer steps.
             x, _, _, _, status = leastsq(
                 residuals,
                 begin,
                 Dfun=slopes,
                 full_output=True,
-                gtol=_ROUNDING_OF_COSINE,
-                maxfev=_EVALUATIONS,
+                gtol=np.finfo(np.float64).eps,
                 **how,
             )
             if (x < lowest).any() or (x > highest).any():
                 result = least_squares(
                     residuals, begin, slopes, bounds=(lowest, highest), method="dogbox",
-                    x_scale="jac", gtol=None, max_nfev=_EVALUATIONS, **how,
+                    x_scale="jac", gtol=None, **how,
                 )  # fmt: skip
                 if result.status <= 0:
                     return None
@@ -159,7 +149,7 @@ class Problem:
         for feature in self.features:
             if feature.breaks:
                 moved = self._moved(p, feature, self.levels_near(feature, p))
-                if np.sum(self.residuals(moved) ** 2) < (1 - _BETTER) * chi_squared:
+                if np.sum(self.residuals(moved) ** 2) < (1 - ROOT_OF_ROUNDING) * chi_squared:
                     return self.minimum(moved)
         return Minimum(p, chi_squared)
 
@@ -202,7 +192,7 @@ class Problem:
                 matrix = np.nan_to_num(self._weighted(self._basis, columns).transpose(1, 2, 0))
                 matrix = matrix / np.maximum(np.linalg.norm(matrix, axis=1, keepdims=True), 1e-300)
                 moments = np.einsum("gnk,gn->gk", matrix, np.nan_to_num(target))
-                normal = matrix.transpose(0, 2, 1) @ matrix + _RIDGE * np.eye(matrix.shape[2])
+                normal = matrix.transpose(0, 2, 1) @ matrix + ROOT_OF_ROUNDING * np.eye(matrix.shape[2])
                 left = left - np.sum(moments * np.linalg.solve(normal, moments[:, :, None])[:, :, 0], axis=1)
             misfits.append(np.nan_to_num(left, nan=np.inf))
         return np.concatenate(misfits)
@@ -231,10 +221,10 @@ class Problem:
                 if minimum is not None and abs(np.log(minimum.p[i] / best[i])) > _APART_ON_A_GRID:
                     yield i, minimum
 
-    def starts(self, count: int) -> Iterator[FloatArray]:
-        """Yield up to `count` starts that differ, the best of random trials first."""
+    def starts(self) -> Iterator[FloatArray]:
+        """Yield a few starts that differ, the best of random trials first."""
         moved = {i for feature in self.features for i in (feature.moved, *dict(feature.phases))}
-        apart = np.where([i in moved for i in self.sought], _APART_ON_A_GRID, _LOG_DISTANCE_OF_STARTS)
+        apart = np.where([i in moved for i in self.sought], _APART_ON_A_GRID, np.log(2))
         chosen = np.empty((0, len(self.sought)))
         for p in self._best_first(self._trials(moved)):
             sought = p[self.sought]
@@ -245,7 +235,7 @@ class Problem:
 
             yield p
             chosen = np.vstack([chosen, sought])
-            if len(chosen) == count:
+            if len(chosen) == _STARTS:
                 return
 
     def _trials(self, moved: Collection[int]) -> list[FloatArray]:
@@ -257,7 +247,7 @@ class Problem:
         passes = 1
         if len(self.features) > 1:
             passes = 2  # each is moved again, once the others are
-            count = max(count, _FEWEST_TRIALS)
+            count = max(count, _STARTS)
 
         trials = list[FloatArray]()
         draw = self._drawing()
@@ -270,12 +260,12 @@ class Problem:
 
     def _drawing(self) -> Callable[[], FloatArray]:
         """Return what draws values: powers of speeds near the measured ones, and pure numbers."""
-        rng = np.random.default_rng(_SEED)
+        rng = np.random.default_rng(SEED)
         powers = [_power_of_speed(self._units[i]) for i in self.sought]
         speeds = 0.1, 1.0  # where all are at rest
-        above = self._v[self._v > _SPEED_AT_REST]
+        above = self._v[self._v > NEXT_TO_ZERO]
         if len(above):
-            speeds = above.min() / _SPEED_RANGE_FACTOR, above.max() * _SPEED_RANGE_FACTOR
+            speeds = above.min() / _BEYOND, above.max() * _BEYOND
 
         def draw() -> FloatArray:
             p: FloatArray = np.zeros(len(self.names))
@@ -283,7 +273,7 @@ class Problem:
                 sign = 1 if self.positive[i] else int(rng.choice([-1, 1]))
                 if power is None:
                     power = int(rng.choice([-1, 0, 1]))
-                size = float(np.exp(rng.uniform(*np.log(speeds if power else _EXPONENTS))))
+                size = float(np.exp(rng.uniform(*np.log(speeds if power else (1 / _BEYOND, _BEYOND)))))
                 p[i] = sign * size ** (power or 1)
             return p
 

@@ -18,11 +18,12 @@ from stickslip_sym.core.aliases import FloatArray, Span
 from stickslip_sym.core.errors import InputError, StickSlipError
 from stickslip_sym.core.names import lookup
 from stickslip_sym.core.numbers import read_array, real
+from stickslip_sym.core.probabilities import UNLIKELY, USUAL_PROBABILITY
 from stickslip_sym.core.uncertain import text_with_error
 from stickslip_sym.model.error_band import error_band
-from stickslip_sym.model.fitting.averaged import USUAL_PROBABILITY, Averaged, ByLaw
+from stickslip_sym.model.fitting.averaged import Averaged, ByLaw
 from stickslip_sym.model.fitting.least_squares import Problem
-from stickslip_sym.model.fitting.weights import RATHER, speeds_that_count, weigh
+from stickslip_sym.model.fitting.weights import speeds_that_count, weigh
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.output.content import content
@@ -374,7 +375,7 @@ class Fits(_Report, Sequence[Fit], TableResult):
     @property
     def likely(self) -> tuple[Fit, ...]:
         """The fits of laws that may be meant: those whose weight is not below a hundredth of the best one's."""
-        return tuple(fit for fit in self.fits if fit.weight >= RATHER * self.best.weight)
+        return tuple(fit for fit in self.fits if fit.weight >= UNLIKELY * self.best.weight)
 
     @overload
     def __getitem__(self, place: SupportsIndex | str) -> Fit: ...

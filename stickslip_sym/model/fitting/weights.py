@@ -15,21 +15,17 @@ import numpy as np
 from scipy.special import chdtrc
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray
+from stickslip_sym.core.numbers import ROOT_OF_ROUNDING
+from stickslip_sym.core.probabilities import UNLIKELY, USUAL_PROBABILITY
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
-from stickslip_sym.model.measured.noise import last_decimal
+from stickslip_sym.model.measured.noise import SAME_COEFFICIENT, last_decimal
 
-RATHER = 0.01
-"""Weight of laws that may be meant, over that of the best."""
 RANKED = 8
 """Speeds, from which the greatest weight is worth naming a law."""
 _PENALTY = 1.5  # of the logarithm of a weight, for a parameter; Akaike's is 1, Schwarz's log(n)/2
 _AS_WELL = 1.3  # times the least variance of residuals
-_SIGMA_HOLDS = 0.05  # probability of the residuals of some law, above which a given sigma is believed
-_NORMAL_DOF = 1e8  # degrees of freedom that make Student's distribution the normal one
-_ROUNDING_VARIANCE = 1 / 12  # variance of a rounding error, in squares of the last decimal
-_ROUNDING_OF_COMPUTED = 1e-15  # of the largest coefficient: rounding of what was computed
-_ONE_CURVE = 1e-6  # of the largest coefficient, by which two curves may differ that are one
+_NORMAL_DOF = 1 / ROOT_OF_ROUNDING  # degrees of freedom that make Student's distribution the normal one
 _SPEEDS_OF_CURVE = np.geomspace(1e-3, 1.0, 50)  # of the highest measured one, where curves are compared
 
 
@@ -83,7 +79,9 @@ def weigh(measured: Measurements, fits: Sequence[Fitted]) -> Weighing:
     squares = np.maximum([_squares_of_means(measured, fit) for fit in fits], least)
     variances = np.where(checked, squares / np.maximum(dof, 1), np.inf)
     best = int(np.argmin(variances))
-    believed = measured.sigma is not None and bool(np.max(chdtrc(dof[checked], squares[checked])) >= _SIGMA_HOLDS)
+    believed = measured.sigma is not None and bool(
+        np.max(chdtrc(dof[checked], squares[checked])) >= 1 - USUAL_PROBABILITY
+    )
     if believed:
         misfits = squares / 2
     else:
@@ -115,7 +113,7 @@ def _inflation(rows: int, fits: Sequence[Fitted]) -> float:
 
 def likely_laws(weights: FloatArray) -> BoolArray:
     """Return which laws may be meant: those whose weight is not far below the greatest."""
-    return np.asarray(weights >= RATHER * weights.max())
+    return np.asarray(weights >= UNLIKELY * weights.max())
 
 
 def speeds_that_count(measured: Measurements) -> int:
@@ -134,7 +132,8 @@ def _squares_of_means(measured: Measurements, fit: Fitted) -> float:
 def rounding_variance(measured: Measurements) -> float:
     """Return the variance of a row of weight 1 that rounding of the coefficients alone has."""
     largest = float(np.max(np.abs(measured.mu)))
-    rounding = _ROUNDING_VARIANCE * last_decimal(measured.mu) ** 2 + (_ROUNDING_OF_COMPUTED * largest) ** 2
+    # A rounding error is evenly spread over one decimal.
+    rounding = last_decimal(measured.mu) ** 2 / 12 + (np.finfo(np.float64).eps * largest) ** 2
     return max(float(np.mean(measured.weights**2)) * rounding, float(np.finfo(np.float64).tiny))
 
 
@@ -142,7 +141,7 @@ def _shared_by_curve(weights: FloatArray, measured: Measurements, fits: Sequence
     """Return weights where laws whose fitted curves are one share the greatest of theirs."""
     speeds = _SPEEDS_OF_CURVE * float(measured.v[-1])
     curves = [fit.law.at_speeds(speeds) for fit in fits]
-    near = _ONE_CURVE * float(np.max(np.abs(measured.mu)))
+    near = SAME_COEFFICIENT * float(np.max(np.abs(measured.mu)))
     shared = weights.copy()
     left = list(range(len(fits)))
     while left:

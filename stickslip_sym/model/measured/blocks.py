@@ -8,18 +8,18 @@ import numpy as np
 
 from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.probabilities import FAR_OFF
 from stickslip_sym.core.remedies import Reading
 from stickslip_sym.model.measured.columns import HeaderColumn
 from stickslip_sym.output.data import DataResult
+from stickslip_sym.output.tables import SHOWN_CHARACTERS
 
 _STEP = re.compile(r"\W*(step|segment|stage|run|test|block|cycle|part|schritt|lauf)\b", re.IGNORECASE)
-_LABEL = 60  # characters of a label
-_VARIES = 0.1  # of the largest size of a column, beyond which its values vary
+VARIES = 0.1  # of the largest size of some values, beyond which they vary
 _FIRST = "v", "mu", "F_t"  # quantities that are named before others
 _COLUMNS_NAMED = 4  # columns that vary, which are named
 _IN_TIME = re.compile(r"time|zeit|date|stamp|index|no\.?|nr\.?|step|count|sample", re.IGNORECASE)
 _CONTRADICTS = 0.2  # of the mean coefficient, by which two blocks differ that measured other things
-_CERTAIN = 4.0  # standard errors of that difference
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class Block(DataResult):
 def label_of(preamble: Sequence[str]) -> str:
     """Return what lines above a header call the step: the last one that names a step, with its description."""
     named = [" ".join(text.split()) for text in preamble if _STEP.match(text)]
-    return "; ".join(named[-2:])[:_LABEL]
+    return "; ".join(named[-2:])[:SHOWN_CHARACTERS]
 
 
 def varying(names: Sequence[str], cells: Sequence[Sequence[str]]) -> tuple[str, ...]:
@@ -68,7 +68,7 @@ def varying(names: Sequence[str], cells: Sequence[Sequence[str]]) -> tuple[str, 
         if not name or name in names[:i] or _IN_TIME.search(name):
             continue
         values = _numbers([row[i] for row in cells if i < len(row)])
-        if len(values) and np.ptp(values) > _VARIES * np.max(np.abs(values)):
+        if len(values) and np.ptp(values) > VARIES * np.max(np.abs(values)):
             meanings = HeaderColumn.read(name).meanings
             if meanings and meanings[0] in _FIRST:
                 place = _FIRST.index(meanings[0])
@@ -121,7 +121,7 @@ def refuse_contradiction(
             apart = ours - other
             error = float(np.std(apart)) / np.sqrt(len(apart))
             size = float(np.mean(np.abs(ours) + np.abs(other))) / 2
-            if abs(apart.mean()) > max(_CONTRADICTS * size, _CERTAIN * error):
+            if abs(apart.mean()) > max(_CONTRADICTS * size, FAR_OFF * error):
                 both = [next(block for block in blocks if block.number == number) for number in (first, second)]
                 raise InputError(
                     f"{name}: {both[0]} and {both[1]} contradict each other: from {low:.3g} to {high:.3g} m/s "

@@ -7,45 +7,40 @@ of the efficiency of least squares where the noise is normal after all.
 P. J. Huber, Robust estimation of a location parameter, Ann. Math. Statist. 35 (1964) 73.
 """
 
+from statistics import NormalDist
+
 import numpy as np
-from scipy.special import ndtr, pdtrc
+from scipy.special import pdtrc
 
 from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.probabilities import FAR_OFF, VERY_UNLIKELY
 from stickslip_sym.model.measured.noise import last_decimal
-from stickslip_sym.model.measured.sweep_branches import splines
+from stickslip_sym.model.measured.sweep_branches import ROWS_TO_SAMPLE, splines
 
-_FEWEST_ROWS_WITH_TAILS = 200  # rows, below which tails are not told from a few stray ones
 _ROWS_OF_ONE_NOISE = 100  # rows at neighbouring speeds, whose noise is of one size
-_DEVIATIONS_OFF, DEVIATIONS_FAR_OFF = 3.5, 6.0  # robust standard deviations: a little off, and far
-_NORMAL_SHARE = 2 * float(
-    ndtr(-_DEVIATIONS_OFF) - ndtr(-DEVIATIONS_FAR_OFF)
-)  # share of rows of normal noise between these
-_PROBABILITY_OF_NORMAL = 1e-6  # probability of as many rows a little off, if noise is normal
-_TAIL_RATIO = 5  # times as many as normal noise has; sizes of the noise are known to 12 % only, which doubles that
-_STRAY = 4  # rows a little off for one far off; a stray row makes its two neighbours seem so
-NORMAL_DEVIATION = 1.4826  # standard deviation over the median of abs(residual), if noise is normal
+DEVIATIONS_OUTLYING = 6.0  # robust standard deviations: no noise, where a little off is beyond `FAR_OFF`
+_MANY = 5
+"""Times the rows a little off that normal noise has: its size is known to 12 % only, which doubles that. And rows
+a little off for one that is no noise: a stray row makes its two neighbours seem so."""
+NORMAL_DEVIATION = 1 / NormalDist().inv_cdf(3 / 4)  # of normal noise, over the median of abs(residual)
 _LEAST_NOISE_IN_DECIMALS = 2  # last decimals, below which the size of noise is not resolved
 _HUBER = 1.345
-_ROWS_FOR_CURVE = 10_000  # rows for the curve: its error is then a hundredth of the noise
 _REWEIGHTINGS = 20  # of weights and curve in turn; they settle to 1e-3 in some ten
 
 
 def have_heavy_tails(v: FloatArray, y: FloatArray) -> bool:
     """Return whether coefficients at ascending speeds scatter with heavier tails than normal noise."""
-    if len(y) < _FEWEST_ROWS_WITH_TAILS:
+    if len(y) < 2 * _ROWS_OF_ONE_NOISE:
         return False
     bends = _bends(v, y)
     scales = _local_scale(bends)
     if scales.min() <= _LEAST_NOISE_IN_DECIMALS * last_decimal(y):
         return False  # sizes of the noise cannot be told in so coarse digits
     sizes = np.abs(bends) / np.maximum(scales, np.finfo(np.float64).tiny)
-    far = int((sizes >= DEVIATIONS_FAR_OFF).sum())
-    off = int((sizes >= _DEVIATIONS_OFF).sum()) - far
-    expected = _NORMAL_SHARE * len(sizes)
-    return (
-        off > max(_STRAY * far, _TAIL_RATIO * expected)
-        and float(pdtrc(off - 1, expected)) < _PROBABILITY_OF_NORMAL
-    )
+    far = int((sizes >= DEVIATIONS_OUTLYING).sum())
+    off = int((sizes >= FAR_OFF).sum()) - far
+    expected = VERY_UNLIKELY * len(sizes)
+    return off > _MANY * max(far, expected) and float(pdtrc(off - 1, expected)) < VERY_UNLIKELY**2
 
 
 def _bends(v: FloatArray, y: FloatArray) -> FloatArray:
@@ -60,7 +55,7 @@ def _bends(v: FloatArray, y: FloatArray) -> FloatArray:
 
 def huber_weights(v: FloatArray, y: FloatArray) -> FloatArray:
     """Return a factor between 0 and 1 for the square of each row's residual, by a smooth curve of the speed."""
-    every = slice(None, None, max(len(y) // _ROWS_FOR_CURVE, 1))
+    every = slice(None, None, max(len(y) // ROWS_TO_SAMPLE, 1))
     all_columns = splines(v)
     columns = all_columns[every]
     some = y[every]

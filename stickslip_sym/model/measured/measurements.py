@@ -17,33 +17,28 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.numbers import Number, fraction, read_array, real, require_type
 from stickslip_sym.core.remedies import Argument
 from stickslip_sym.core.units import has_no_unit, strip_unit
-from stickslip_sym.model.measured.blocks import Block, refuse_contradiction
+from stickslip_sym.model.measured.blocks import VARIES, Block, refuse_contradiction
 from stickslip_sym.model.measured.heavy_tails import (
-    DEVIATIONS_FAR_OFF,
+    DEVIATIONS_OUTLYING,
     NORMAL_DEVIATION,
     have_heavy_tails,
     huber_weights,
 )
-from stickslip_sym.model.measured.sweep_branches import SweepBranches, sweep_branches_of
+from stickslip_sym.model.measured.sweep_branches import FEW, SweepBranches, sweep_branches_of
 from stickslip_sym.model.measured.text_table import Table, read_table
 from stickslip_sym.output.data import TableResult
 from stickslip_sym.output.shown import Drawn, views_of
 
-_SHARE_OF_OTHER_SIGN = 0.05  # share of rows with the other sign, up to which they are noise of a small force
 _LARGEST_MU = 5.0  # no dry or lubricated contact comes near it
 _FASTEST = 100.0  # m/s, above which a speed without a unit is taken for one in mm/s
 _FEW_ROWS = 20.0  # of fewer the robust deviation is itself uncertain by a factor
-_GAP_RATIOS = (
-    2.0,
-    3.0,
-)  # times what three rows span, and the mean gap of speeds: mu may be any number beyond such a gap
+_GAP_RATIOS = 2.0, 3.0  # times what three rows span, and the mean gap: mu may be anything beyond such a gap
 _ROWS_BESIDE_OUTLIER = 3  # rows on either side that an outlier is held against; one of them may be an outlier too
 _RISES = 4.0  # times what friction changes between rows beside an outlier, which a smooth curve may exceed too
 _ROBUST = NORMAL_DEVIATION / 1.5**0.5  # standard deviation over the median of |mu_i - (mu_i-1 + mu_i+1)/2|
 _LARGE_TRACK = 1.0  # m; those of tribometers are smaller
 _LARGEST_TRACK = 1000  # m
 _RESOLUTION = 0.01  # of mu: smaller steps are no outliers, however even the other rows are
-_BUILT_UP = 0.1  # of the largest mu, by which rows at rest differ where friction builds up: noise is less
 _OTHERS = {"sigma_mu": "sigma", "sigma_F_t": "sigma of F_t", "n": "n"}
 
 
@@ -477,7 +472,7 @@ def _rows_held_at_rest(v: FloatArray, mu: FloatArray) -> BoolArray:
     One row at rest, or several of one coefficient, may be meant as mu(0+).
     """
     at_rest: BoolArray = np.asarray(v == 0)
-    if at_rest.sum() < 2 or np.ptp(mu[at_rest]) <= _BUILT_UP * np.max(np.abs(mu)):
+    if at_rest.sum() < 2 or np.ptp(mu[at_rest]) <= VARIES * np.max(np.abs(mu)):
         return np.zeros(len(v), dtype=bool)
     return at_rest
 
@@ -507,7 +502,7 @@ def _outliers(v: FloatArray, y: FloatArray) -> BoolArray:
         return np.zeros(len(y), dtype=bool)
     noise = _ROBUST * float(np.median(np.abs(y[1:-1] - (y[:-2] + y[2:]) / 2)))
     few = 1 + (_FEW_ROWS / len(y)) ** 2
-    tolerance = DEVIATIONS_FAR_OFF * few * max(noise, _RESOLUTION * float(np.median(np.abs(y))))
+    tolerance = DEVIATIONS_OUTLYING * few * max(noise, _RESOLUTION * float(np.median(np.abs(y))))
     # mu is between the medians of the three rows on either side, or beyond by as much as neighbours differ; at the
     # lowest speeds it may rise or fall steeply, and only a multiple of what follows is refused.
     lower = np.minimum(y[:-2], y[1:-1])
@@ -581,7 +576,7 @@ def _remove_stroke_signs(
     along = way if reverses else np.ones_like(mu)
     below, above = (int((side * along * mu > 0).sum()) for side in (-1, 1))
     direction = -1 if below > above else 1
-    if min(below, above) <= _SHARE_OF_OTHER_SIGN * (below + above):
+    if min(below, above) <= FEW * (below + above):  # noise of a small force
         folded = np.where(along == 0, np.abs(mu), direction * along * mu)  # a speed of 0 has no direction
         return folded, way, notes
     if reverses:

@@ -1,15 +1,20 @@
 """How noise is correlated from row to row, and how finely coefficients are written."""
 
+from statistics import NormalDist
+
 import numpy as np
 
 from stickslip_sym.core.aliases import FloatArray
+from stickslip_sym.core.numbers import SAME
+from stickslip_sym.core.probabilities import UNLIKELY
 
-_CORRELATED = 2.7  # standard deviations of a partial correlation of white noise, above which noise is correlated
 _LAGS = 4  # rows apart, up to which noise may be correlated: as many sweeps may be interleaved
 _ROWS_OF_A_LAG = 8  # of fewer for each lag, a partial correlation that is noise counts most rows away
 _MOST_ROUNDED_DECIMALS = 9  # of coefficients that were rounded; more are those of a computation
-_BINARY_ROUNDING = 1e-12  # relative to 1: what binary numbers are off decimal ones
+SAME_COEFFICIENT = 1e-6  # of the largest coefficient, by which two may differ that are one
 _MOST_CORRELATED = 0.95  # beyond it the rows are too few to tell noise from a trend
+_CORRELATED = NormalDist().inv_cdf(1 - UNLIKELY / _LAGS)
+"""Standard deviations of a partial correlation, beyond which white noise seldom has one of so many lags."""
 
 
 def correlation_of(e: FloatArray, k: int) -> tuple[float, float, int]:
@@ -20,7 +25,6 @@ def correlation_of(e: FloatArray, k: int) -> tuple[float, float, int]:
     """
     count = len(e)
     strongest = (1.0, 0.0, 0)
-    deviation = np.sqrt(count) / (count - 3)
     weights = np.zeros(0)
     left = 1.0
     r = np.zeros(0)
@@ -32,7 +36,7 @@ def correlation_of(e: FloatArray, k: int) -> tuple[float, float, int]:
         left *= 1 - partial**2
         gain = max(1 - float(weights.sum()), 1 - _MOST_CORRELATED)
         inflation = min(left / gain**2, (1 + _MOST_CORRELATED) / (1 - _MOST_CORRELATED))
-        if partial > _CORRELATED * deviation and inflation > strongest[0]:
+        if partial > _CORRELATED * np.sqrt(count) / (count - 3) and inflation > strongest[0]:
             strongest = inflation, partial, lag
     return strongest
 
@@ -40,6 +44,6 @@ def correlation_of(e: FloatArray, k: int) -> tuple[float, float, int]:
 def last_decimal(mu: FloatArray) -> float:
     """Return the size of the last decimal that coefficients are written with; 0 if they were computed."""
     for decimals in range(1, _MOST_ROUNDED_DECIMALS + 1):
-        if np.abs(mu - mu.round(decimals)).max() <= _BINARY_ROUNDING:
+        if np.abs(mu - mu.round(decimals)).max() <= SAME:
             return float(10.0**-decimals)
     return 0.0

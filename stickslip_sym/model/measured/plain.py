@@ -14,7 +14,6 @@ from stickslip_sym.core.aliases import FloatArray
 _PLAIN_BYTES = b"0123456789+-.eE\n"
 _NEWLINE = ord("\n")
 OVERFLOW = 1e30  # what instruments write in place of a value out of range is larger, like 9.9E37
-_FIRST_NINES = 99.0  # the least number of nines, which may stand for none
 _NINES = np.array([float(f"{'9' * whole}.{'9' * decimals}0") for whole in range(2, 16) for decimals in range(7)])
 
 
@@ -40,7 +39,7 @@ def plain_numbers(body: bytes, mark: str, count: int) -> FloatArray | None:
         return None
     if rows.shape[1] != count or not (np.abs(rows) < OVERFLOW).all():
         return None
-    large = np.abs(rows[np.abs(rows) >= _FIRST_NINES])
+    large = np.abs(rows[np.abs(rows) >= _NINES[0]])
     return None if np.isin(large, _NINES).any() else rows
 
 

@@ -15,7 +15,6 @@ _RADIUS = re.compile(
 _OF_TRACK = re.compile(r"track\W*radius|radius\s+of\s+(the\s+)?(wear\s+)?track", re.IGNORECASE)
 # A comma before three digits may stand between thousands.
 _VALUE = re.compile(r"(?P<number>\d+(?:\.\d*|,(?!\d{3}\b)\d+)?)\s*(?P<unit>[A-Za-zµμ]*)")
-_METRES = (1, 0, 0)  # powers of m, s and kg
 
 
 @dataclass(frozen=True)
@@ -67,6 +66,7 @@ def _read_radius(line: int, match: re.Match[str], value: re.Match[str], behind: 
 def _metres(unit: str) -> Fraction | None:
     """Return the size in m of a unit of length; None for any other text."""
     known = dimensions(unit)
-    if known is not None and known[1] == _METRES:
+    metres = dimensions("m")
+    if known is not None and metres is not None and known[1] == metres[1]:
         return known[0]
     return None

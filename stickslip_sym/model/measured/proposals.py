@@ -37,7 +37,7 @@ _IN_TIME = re.compile(
 )
 _TURNING = re.compile(r"rad|omega|ω|joint|\bqd|dq\b|angular", re.IGNORECASE)
 _RPM = re.compile(r"rpm|dreh|rev|spindle|rotat", re.IGNORECASE)
-_SPEED_IN_METRES, _SPEED_IN_MILLIMETRES = 5.0, 5000.0  # numbers of a speed in m/s, and in mm/s
+_FAST = 5.0  # m/s: a larger number is one of mm/s, or of um/s
 _TRACK, _ANY = "25 mm", Fraction(25, 1000)  # a radius, for an example
 _FORCE = "10 N"  # the same
 _LEAST_RATIO = 2.0  # of the normal force to the friction force, for an example
@@ -175,9 +175,9 @@ def _unit_of_speed(column: HeaderColumn, others: Sequence[HeaderColumn], values:
     if _RPM.search(column.text):
         return "rpm"
     size = float(np.max(np.abs(values[column.number - 1])))
-    if size <= _SPEED_IN_METRES:
+    if size <= _FAST:
         return "m/s"
-    if size <= _SPEED_IN_MILLIMETRES:
+    if size <= 1000 * _FAST:
         return "mm/s"
     return "um/s"
 

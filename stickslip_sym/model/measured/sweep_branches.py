@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stickslip_sym.core.aliases import FloatArray, IntArray
+from stickslip_sym.core.numbers import ROOT_OF_ROUNDING
 from stickslip_sym.core.uncertain import text_with_error
-from stickslip_sym.model.measured.noise import correlation_of
+from stickslip_sym.model.measured.noise import SAME_COEFFICIENT, correlation_of
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -23,16 +24,14 @@ _SHARE_OF_TURN = 0.1  # of the range of speeds: a smaller return of the speed is
 _RELATIVE_DWELL_WIDTH = 0.02  # relative: rows this near to a turn's speed dwell there, half of them on each branch
 _FEWEST_SPEEDS_OF_BRANCH = 4  # speeds of a branch; rows in random order turn after one or two
 _IN_ORDER = 0.8  # share of the rows that belong to such branches where speeds were swept
-_ROWS_TO_SAMPLE = 50_000  # rows, of which stretches tell whether they are in random order
-_STRETCH, _STRETCHES = 500, 20
+ROWS_TO_SAMPLE = 10_000  # rows, that tell of more what they are like: a curve to a hundredth of their noise
+_STRETCHES = 20  # in which so many are looked at for their order
 _PASSED = 64  # rows that are looked at together for a turn
 _MOST_HYSTERESIS_DEGREE = 4  # degree of the hysteresis in the share of rows below a speed
-_CURVE_COLUMNS = 4, 30  # fewest and most columns of the smooth curve, one for `_ROWS_A_COLUMN` rows
+_MOST_COLUMNS = 30  # of the smooth curve, one for `_ROWS_A_COLUMN` rows
 _ROWS_A_COLUMN = 6
 _COST = 2.0  # times log(n): the fall of n log(sum of squares) that a term is worth; noise does that once in 300
-_LEAST_DIFFERENCE = 1e-9  # of the largest mu: smaller differences are no terms
-_LEAST_CURVE = 1e-10  # relative size of a curve between knots where no speed lies
-_ALONE = 0.05  # share of the rows, of which less does not matter
+FEW = 0.05  # share of the rows, of which less does not matter
 _LEAST_SHARE_OF_TERM = 1e-2  # least part of a term that no smooth curve of the speed is, for it to be told apart
 
 
@@ -121,7 +120,8 @@ def sweep_branches_of(
         return none if rising else None
     columns_of_curve, triangle = np.linalg.qr(smooth)
     rotation, sizes, _ = np.linalg.svd(triangle)
-    curve = columns_of_curve @ rotation[:, sizes > _LEAST_CURVE * sizes[0]]
+    # Where no speed lies between knots, a curve has no size.
+    curve = columns_of_curve @ rotation[:, sizes > ROOT_OF_ROUNDING * sizes[0]]
 
     def beside(rows: FloatArray) -> FloatArray:
         rest: FloatArray = rows - curve @ (curve.T @ rows)
@@ -138,7 +138,7 @@ def sweep_branches_of(
         return none if rising else None
     all_terms = np.flatnonzero(apart)
     rest = y - left[:, all_terms] @ np.linalg.lstsq(left[:, all_terms], y, rcond=None)[0]
-    floor = n * (_LEAST_DIFFERENCE * float(np.max(np.abs(weights * mu)))) ** 2
+    floor = n * (SAME_COEFFICIENT * float(np.max(np.abs(weights * mu)))) ** 2
     alike = 1.0  # so many rows count as one
     if rest @ rest > floor:
         alike, _, _ = correlation_of(rest[in_turn], 0)
@@ -210,14 +210,14 @@ def _different(v: FloatArray, run: IntArray, count: int) -> IntArray:
 
 def _is_shuffled(v: FloatArray) -> bool:
     """Return whether many rows are in random order, as stretches of them tell: most branches have too few rows."""
-    if len(v) <= _ROWS_TO_SAMPLE:
+    if len(v) <= ROWS_TO_SAMPLE:
         return False
-    stretches = np.linspace(0, len(v) - _STRETCH, _STRETCHES).astype(int)
-    turns = sum(len(_turns(v[first : first + _STRETCH], float(np.ptp(v)))) for first in stretches)
-    most = (
-        1 / _FEWEST_SPEEDS_OF_BRANCH + 1 - _IN_ORDER
-    )  # branches for a row, if enough rows are on branches of enough rows
-    return turns > most * _STRETCH * _STRETCHES
+    rows = ROWS_TO_SAMPLE // _STRETCHES
+    stretches = np.linspace(0, len(v) - rows, _STRETCHES).astype(int)
+    turns = sum(len(_turns(v[first : first + rows], float(np.ptp(v)))) for first in stretches)
+    # Branches for a row, if enough rows are on branches of enough rows.
+    most = 1 / _FEWEST_SPEEDS_OF_BRANCH + 1 - _IN_ORDER
+    return turns > most * ROWS_TO_SAMPLE
 
 
 def _turns(v: FloatArray, span: float | None = None) -> list[int]:
@@ -281,7 +281,7 @@ def _turns(v: FloatArray, span: float | None = None) -> list[int]:
 def _knots(v: FloatArray) -> FloatArray:
     """Return speeds with as many rows between any two."""
     return np.unique(
-        np.quantile(v, np.linspace(0, 1, int(np.clip(len(v) // _ROWS_A_COLUMN, *_CURVE_COLUMNS)) - 2))
+        np.quantile(v, np.linspace(0, 1, int(np.clip(len(v) // _ROWS_A_COLUMN - 2, 2, _MOST_COLUMNS - 2))))
     )
 
 
@@ -322,6 +322,6 @@ def _alone(v: FloatArray, sweep: IntArray) -> str:
     low, high = _shared_speeds(v, sweep)
     said = []
     for outside, where in ((v < low, f"below {low:.3g} m/s"), (v > high, f"above {high:.3g} m/s")):
-        if outside.sum() > _ALONE * len(v):
+        if outside.sum() > FEW * len(v):
             said.append(f"{where} {'rising' if sweep[outside].sum() > 0 else 'falling'} branches only")
     return ", ".join(said)

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from decimal import Decimal, localcontext
+from decimal import Decimal, DefaultContext, localcontext
 from fractions import Fraction
 from itertools import pairwise, repeat
 from pathlib import Path
@@ -31,11 +31,10 @@ SEPARATORS = "\t;|, "
 """What separates columns, by preference: a comma may also be a decimal sign, and blanks may stand in a name."""
 _PARTED = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks"}
 MOST_ROWS = 1_000_000  # of a file; a longer one is refused before its numbers are read
-_PRECISION = 40  # digits in which units are converted, beyond those of a double
 _MOST_FILE_BYTES = 200 * MOST_ROWS  # bytes of a file: those of a row with a dozen columns
 _MOST_LINE_CHARACTERS = 10_000  # characters of a line
-_BYTES_WORTH_PLAIN = 500_000  # bytes of a file that is worth reading as a whole, if its numbers are plain
-_HEAD = 50_000  # bytes, in which its header stands
+_HEAD = 50_000  # bytes, in which the header of a file of many rows stands
+_BYTES_WORTH_PLAIN = 10 * _HEAD  # of a file that is worth reading as a whole, if its numbers are plain
 _LOOKED_AT = 400  # lines, of which most look alike: enough to tell how a file is written
 _COMMENT = re.compile(r"^\s*([#%!]|//)\s*")
 _AROUND_ERROR = re.compile(r" *(±|\+/-) *")
@@ -115,7 +114,7 @@ class Table:
                 numerator = numerator * np.array([float(track) for track in tracks]) ** power
             return np.asarray(numerator / (float(size.denominator) * below_in_units))
         below = self.cells[per] if per else repeat("1", len(self.lines))
-        with localcontext(prec=_PRECISION):
+        with localcontext(DefaultContext):
             sizes = {track: size * track**power for track in set(tracks)}
             factors = {track: Decimal(whole.numerator) / whole.denominator for track, whole in sizes.items()}
             of_rows = map(factors.__getitem__, tracks)

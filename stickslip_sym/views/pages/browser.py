@@ -15,7 +15,7 @@ from stickslip_sym.output.files import write_text
 
 _NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
 _OTHERWISE = "open the page in any browser, and print it to a file there"
-_SMALLER = 7.5, 7.0, 6.5  # points, of letters that are 8 as a rule; smaller ones are not read
+_SMALL_LETTERS = 6.5  # points, of letters that are 8 as a rule; smaller ones are not read
 _SHEET = re.compile(rb"/Type\s*/Page\b")
 _SECONDS_FOR_PAGE = 60  # for one page; usually 2
 _OPTIONS = (
@@ -41,14 +41,12 @@ def require_browser() -> str:
 def print_to_pdf(page: str, path: Path, *, sheets: int) -> None:
     """Print a page to a PDF file; what was there before stays if that fails.
 
-    `sheets` are as many as it should take: smaller letters are tried where it takes more.
+    `sheets` are as many as it should take: it has small letters where it takes more.
     """
     content = _as_pdf(page)
-    for points in _SMALLER:
-        if len(_SHEET.findall(content)) <= sheets:
-            break
-        smaller = f"<style>@media print {{ html {{ font-size: {points}pt }} }}</style></head>"
-        content = _as_pdf(page.replace("</head>", smaller, 1))
+    if len(_SHEET.findall(content)) > sheets:
+        small = f"<style>@media print {{ html {{ font-size: {_SMALL_LETTERS}pt }} }}</style></head>"
+        content = _as_pdf(page.replace("</head>", small, 1))
     write_text(path, content)
 
 

@@ -33,6 +33,7 @@ from stickslip_sym.model.negative import warn_where_negative
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.thresholds.averages import resolved_gauss_average
 from stickslip_sym.output.tables import now
+from stickslip_sym.views.drawing import MOST_DRAWN
 from stickslip_sym.views.markup import Markup
 from stickslip_sym.views.pages.render import heading, render
 
@@ -40,7 +41,6 @@ _TEMPLATE = Path(__file__).with_name("explorer.html")
 _SCRIPTS = [Path(__file__).with_name(name) for name in ("slip.js", "explorer.js")]
 _RANGE = 5.0  # times a value, and its inverse, that a slider reaches
 _TABLE_ROWS = 500  # of a table of slope averages over log V
-_MOST_POINTS = 2000  # measured ones that are drawn
 _SIGNS = {"V": "positive", "N": "nonnegative", "m": "positive", "k": "positive"}
 """What Python requires of the operating point."""
 
@@ -184,7 +184,7 @@ def _points(measured: Measurements | None) -> list[list[float]]:
         return [[], []]
     v = np.asarray(measured.v, np.float64)
     mu = np.asarray(measured.mu, np.float64)
-    every = -(-len(v) // _MOST_POINTS)
+    every = -(-len(v) // MOST_DRAWN)
     return [v[::every].tolist(), mu[::every].tolist()]
 
 

@@ -16,13 +16,13 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.version import __version__
 from stickslip_sym.output import printing
+from stickslip_sym.output.tables import TERMINAL_WIDTH
 from stickslip_sym.views.markup import Markup, element, escaped, marked_prose
 
 _PACKAGES = ("sympy", "mpmath", "numpy", "scipy", "matplotlib", "uncertainties")
 _FRAME = Path(__file__).parent
 _POWER = re.compile(r"(.*)e([+-])0*(\d+)")
-_MOST_DECIMALS = 9
-_HEADING_CHARACTERS = 80
+MOST_SHOWN_DIGITS = 10  # of a value
 _SHOWN_WITH_POWER = 1e7  # from which a number is shown with a power of ten
 
 
@@ -68,9 +68,9 @@ def render(template: Path, **values: Any) -> str:
 
 def heading(name: str) -> str:
     """Return a name as it stands in a heading: a long one is cut."""
-    if len(name) <= _HEADING_CHARACTERS:
+    if len(name) <= TERMINAL_WIDTH:
         return name
-    return f"{name[: _HEADING_CHARACTERS - 1]}…"
+    return f"{name[: TERMINAL_WIDTH - 1]}…"
 
 
 def number(value: float | None, form: str = ".6g") -> Markup:
@@ -97,7 +97,7 @@ def number_with_error(value: float, error: float | None) -> Markup:
     if error is None or not error > 0 or not math.isfinite(error):
         return number(value)
     decimals = max(0, 1 - math.floor(math.log10(error)))
-    if decimals > _MOST_DECIMALS or max(abs(value), error) >= _SHOWN_WITH_POWER:
+    if decimals > MOST_SHOWN_DIGITS or max(abs(value), error) >= _SHOWN_WITH_POWER:
         return Markup(f"{number(value)}\u00a0±\u00a0{number(error, '.2g')}")
     return Markup(f"{number(value, f'.{decimals}f')}\u00a0±\u00a0{number(error, f'.{decimals}f')}")
 

@@ -13,28 +13,35 @@ from stickslip_sym.comparison.decision import chance_in_words
 from stickslip_sym.comparison.plane import Plane
 from stickslip_sym.comparison.study import DERIVATIVES, REACH, Study
 from stickslip_sym.core import symbols
+from stickslip_sym.core.probabilities import NORMAL
 from stickslip_sym.core.symbols import QUANTITIES
-from stickslip_sym.model.error_band import NORMAL, error_band
+from stickslip_sym.model.error_band import error_band
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.regimes.regime import Regime
 from stickslip_sym.motion.simulation.trajectory import Phase, Trajectory
 from stickslip_sym.motion.thresholds.threshold import Threshold
 from stickslip_sym.output import printing
 from stickslip_sym.output.tables import duration
-from stickslip_sym.views.drawing import finish, new_figure, styled, svg_uri
+from stickslip_sym.views.drawing import (
+    FIGURE_HEIGHT,
+    FIGURE_WIDTH,
+    MOST_DRAWN,
+    finish,
+    new_figure,
+    styled,
+    svg_uri,
+)
 from stickslip_sym.views.markup import Markup, element
 from stickslip_sym.views.model import draw_law
 from stickslip_sym.views.pages.browser import print_to_pdf
-from stickslip_sym.views.pages.render import heading, mathml_equation, number_with_error, render
+from stickslip_sym.views.pages.render import MOST_SHOWN_DIGITS, heading, mathml_equation, number_with_error, render
 from stickslip_sym.views.threshold_plane import ABOVE, Look, draw_plane
 
 _TEMPLATE = Path(__file__).with_name("study_page.html")
 _SHEETS = 2  # of paper
 _WIDEST = 260  # characters of a formula as text, up to which it fits a sheet when it is set
 _MOST_PAGE_CHARACTERS = 1500  # characters that are shown at all
-_MOST_SHOWN_DIGITS = 10  # of a value, at most
-_SIZE = 4.6, 3.1  # inches: two beside each other on a screen and on paper
-_POINTS_OF_MOTION = 2000  # points of the motion over time
+_SCALE = 2 / 3  # of a figure of its own: two stand beside each other on a screen and on paper
 _BELT_SPEEDS_SHOWN = 10.0  # belt speeds up to which a motion is shown in the phase plane
 
 
@@ -94,8 +101,8 @@ def _digits(threshold: Threshold[float]) -> int:
     """Return the digits of a threshold that its own error leaves."""
     error = threshold.relative_error
     if not error:
-        return _MOST_SHOWN_DIGITS
-    return min(max(1 - math.floor(math.log10(error)), 2), _MOST_SHOWN_DIGITS)
+        return MOST_SHOWN_DIGITS
+    return min(max(1 - math.floor(math.log10(error)), 2), MOST_SHOWN_DIGITS)
 
 
 def _formula(left: sp.Expr, expr: sp.Expr) -> Markup:
@@ -119,7 +126,7 @@ def pictures(study: Study) -> Iterator[tuple[str, str]]:
     for name, (draw, part) in figures.items():
         if part is not None:
             with styled():
-                figure, axes = new_figure(*_SIZE)
+                figure, axes = new_figure(_SCALE * FIGURE_WIDTH, _SCALE * FIGURE_HEIGHT)
                 draw(axes[0, 0], study, part)
                 yield name, svg_uri(figure)
 
@@ -161,7 +168,7 @@ def _time(ax: Any, study: Study, motion: Trajectory) -> None:
 def _phase_plane(ax: Any, study: Study, motions: Regime) -> None:
     handles = motions.draw(ax)
     if study.motion is not None:
-        state = study.motion.at(np.linspace(0, study.motion.stretches[-1].end, _POINTS_OF_MOTION))
+        state = study.motion.at(np.linspace(0, study.motion.stretches[-1].end, MOST_DRAWN))
         reach = max(
             [_BELT_SPEEDS_SHOWN * study.oscillator.V, *(1.2 * cycle.amplitude for cycle in motions.cycles)]
         )
