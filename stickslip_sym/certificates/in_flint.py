@@ -23,7 +23,6 @@ from stickslip_sym.output.sections import sections
 
 _VARIABLES = {symbols.v: "v", symbols.s: "s"}
 _METHODS = {"exp", "sin", "cos", "tan", "erf"}  # of balls, and of power series
-_PRODUCT = 3  # up to which power a name is multiplied by itself
 
 
 _RULES = sections(Path(__file__).with_suffix(".txt"))
@@ -155,8 +154,8 @@ class _Flint(StrPrinter):  # type: ignore[misc]  # SymPy is untyped
         if exponent == -1:
             return f"1/({self.doprint(expr.base)})"
         base = flint_number(expr.base) if expr.base.is_Rational else self.doprint(expr.base)
-        if expr.base.is_Symbol and exponent.is_Integer and 1 < exponent <= _PRODUCT:
-            return f"({' * '.join([base] * int(exponent))})"
+        if expr.base.is_Symbol and exponent == 2:
+            return f"({base} * {base})"
         return self._call("whole" if exponent.is_Integer else "power", base, self.doprint(exponent))
 
     def _print_NumberPower(self, expr: Expr) -> str:

@@ -20,7 +20,6 @@ from stickslip_sym.output.files import read_bytes
 
 _FRACTION = re.compile(r"\d+/\d+")
 _LONG_FRACTION = 9  # characters: 1/2 and 981/100 stay what was typed
-_LARGEST_POINT = 1_000_000  # bytes of a file of values
 
 
 @dataclass(frozen=True)
@@ -121,7 +120,7 @@ def _toml(file: Path) -> dict[str, Any]:
     """Read a file of values; numbers stay the text that they are."""
     expected = "a point has lines such as V = 0.5, for law, V, N, m, k and c, and a table [parameters]"
     try:
-        content = tomllib.loads(read_bytes(file, _LARGEST_POINT).decode(), parse_float=str)
+        content = tomllib.loads(read_bytes(file).decode(), parse_float=str)
     except InputError as error:
         raise InputError(error, f"; {expected}") from None
     except ValueError as error:  # what is no text in UTF-8, and no TOML

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from stickslip_sym.motion.maps.motions import MotionMap
 
 _AXIS = "NAME=START:STOP:COUNT"
-_MOST_AXIS_VALUES = 1_000_000
 _WIDTH, _HEIGHT = 60, 20  # of the picture in text
 
 
@@ -29,6 +28,7 @@ def read_axis_option(text: str, option: str, law: ss.FrictionLaw) -> tuple[str, 
     import numpy as np
 
     from stickslip_sym.core.units import share_unit, si_number
+    from stickslip_sym.motion.maps.results_over_axes import MOST_CELLS
 
     name = _axis_name(text)
     parts = text.partition("=")[2].split(":")
@@ -43,10 +43,10 @@ def read_axis_option(text: str, option: str, law: ss.FrictionLaw) -> tuple[str, 
     count = 0
     if parts[2].isdecimal() and len(parts[2]) <= 7:
         count = int(parts[2])
-    if not 1 <= count <= _MOST_AXIS_VALUES or start > stop or (start == stop) != (count == 1):
+    if not 1 <= count <= MOST_CELLS or start > stop or (start == stop) != (count == 1):
         raise InputError(
             f"{option} {text[:60]!r}: the start must lie below the stop, or equal it with a count of 1; and "
-            f"the count must be a whole number from 1 to {_MOST_AXIS_VALUES}"
+            f"the count must be a whole number from 1 to {MOST_CELLS}"
         )
     return name, np.linspace(start, stop, count)
 

@@ -4,6 +4,7 @@ import ast
 import errno
 import importlib
 import os
+import signal
 import sys
 import warnings
 from collections.abc import Iterator
@@ -14,6 +15,7 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
+from stickslip_sym.cli.start import SIGNALLED
 from stickslip_sym.cli.wording import option_wording
 from stickslip_sym.core.errors import InputError, InputWarning, StickSlipError
 from stickslip_sym.core.foreign import printable
@@ -21,7 +23,7 @@ from stickslip_sym.core.names import suggestion
 from stickslip_sym.core.remedies import worded
 from stickslip_sym.core.version import __version__
 
-BAD_INPUT, NO_RESULT, INTERRUPTED = 2, 1, 130
+BAD_INPUT, NO_RESULT = 2, 1
 COMMANDS = (
     "laws",
     "derive",
@@ -111,7 +113,7 @@ def _run_command() -> int:
         return code if isinstance(code, int) else 0
     except (click.Abort, KeyboardInterrupt):
         click.echo("interrupted", err=True)
-        return INTERRUPTED
+        return SIGNALLED + signal.SIGINT
     except click.ClickException as error:
         context = getattr(error, "ctx", None)
         return _failed(context, context and context.info_name, "InputError", _explained(error), BAD_INPUT)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from types import FrameType
     from typing import NoReturn
 
-_SIGNALLED = 128
+SIGNALLED = 128
 """What shells add to the number of a signal, for the exit code of what it ended."""
 
 
@@ -41,9 +41,9 @@ def main() -> None:
 def _leave(number: int, frame: FrameType | None) -> NoReturn:
     """End at once: nothing has begun that would have to be put in order."""
     os.write(2, b"interrupted\n")
-    os._exit(_SIGNALLED + number)
+    os._exit(SIGNALLED + number)
 
 
 def _end_by_signal(number: int, frame: FrameType | None) -> NoReturn:
     """End by an exception, so that files which are half written are removed."""
-    raise SystemExit(_SIGNALLED + number)
+    raise SystemExit(SIGNALLED + number)

@@ -19,7 +19,6 @@ from stickslip_sym.model.law_content import law_in, law_out
 from stickslip_sym.output import files
 
 _FORMAT, _VERSION = "stickslip_sym", 2
-_MOST_BYTES = 20_000_000  # bytes of a file
 _BROKEN = (KeyError, TypeError, ValueError, AttributeError, IndexError)
 
 
@@ -114,7 +113,7 @@ def load(path: str | Path) -> FrictionLaw | tuple[FrictionLaw, ...]:
 
 def _read_json(path: Path, name: str) -> object:
     try:
-        text = files.read_bytes(path, _MOST_BYTES).decode()
+        text = files.read_bytes(path).decode()
     except UnicodeDecodeError as error:
         raise InputError(f"{name} is no text in UTF-8: {str(error)[:80]}") from None
     try:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from stickslip_sym.core.aliases import ObjectArray
 
+_MOST_BYTES = 20_000_000  # of a file that people write, as laws and operating points are
 _OWN = {"/dev/stdout": 1, "/dev/stderr": 2}
 """This process's own output: sent to a file, it must not be replaced, or what is printed later is lost."""
 
@@ -32,7 +33,7 @@ def is_kept(path: Path) -> bool:
     return path.is_file() and str(path) not in _OWN
 
 
-def read_bytes(path: Path, most: int) -> bytes:
+def read_bytes(path: Path, most: int = _MOST_BYTES) -> bytes:
     """Return what a regular file holds, `most` bytes of it at most.
 
     Raises `InputError` for a file that cannot be read, that is longer, or that is a pipe or a device, which may

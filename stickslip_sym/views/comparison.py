@@ -12,11 +12,11 @@ import numpy as np
 from stickslip_sym.comparison.compare import Comparison, Row
 from stickslip_sym.comparison.crosscheck import CrossCheck
 from stickslip_sym.comparison.study import Study
-from stickslip_sym.comparison.tradeoff import Trade, Tradeoff
+from stickslip_sym.comparison.tradeoff import DIGITS, Trade, Tradeoff
 from stickslip_sym.core import symbols
 from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.shown import HeadedRows
-from stickslip_sym.output.tables import aligned_table
+from stickslip_sym.output.tables import TERMINAL_WIDTH, aligned_table
 from stickslip_sym.views import dispatch, markup
 from stickslip_sym.views.drawing import FIGURE_HEIGHT, new_figure, picture, save_drawing
 from stickslip_sym.views.pages.study_page import page_of_study, print_page_of_study
@@ -26,8 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_SMALLEST = 1e-51  # error of a method whose own is less
-_TITLE = 95  # characters of a line above a panel
+_SMALLEST = 10.0 ** -(DIGITS[-1] + 1)  # error of a method whose own is less
 _MARKERS = "os^Dv<>"
 _COLORS = ("tab:blue", "tab:red", "tab:green", "tab:purple", "tab:orange", "tab:brown", "tab:olive", "tab:cyan")
 Columns = dict[str, Callable[[Row], str]]
@@ -164,7 +163,7 @@ def draw_trade(trade: Trade, ax: "Axes") -> list[Any]:
         ax.plot(*np.transpose(sorted(front)), drawstyle="steps-post", color="0.75", lw=1, zorder=0)
     ax.axhline(2.0**-52, color="0.8", lw=0.8, ls=":", zorder=0)
     ax.set(xscale="log", yscale="log", xlabel=f"time for one {trade.number} (s)", ylabel="relative error")
-    ax.set_title(fill(trade.title, _TITLE), fontsize=8)
+    ax.set_title(fill(trade.title, TERMINAL_WIDTH), fontsize=8)
     ax.minorticks_off()
     ax.grid(alpha=0.25)
     return []

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Look = dict[str, Any]
-_HEIGHT, _BELOW = 1.35, 0.06  # of the plane, over the highest damping on it, and below 0 and the lowest
 _LINES = {
     "equilibrium": (ORANGE, "--"),
     "least_squares": ("black", ":"),
@@ -62,7 +61,8 @@ def draw_plane(
     near = np.concatenate([exact, rest])[np.tile(V >= osc.V / 3, 2)]
     highest = max(near[np.isfinite(near)].max(initial=0.0), osc.c, 1e-9)
     lowest = min(0.0, osc.c - spread["c"])
-    ax.set_ylim(lowest - _BELOW * (highest - lowest), _HEIGHT * highest)
+    margin = ax.margins()[1] * (highest - lowest)
+    ax.set_ylim(lowest - margin, highest + margin)
 
 
 def figure_of_plane(threshold: Threshold[float]) -> "Figure":

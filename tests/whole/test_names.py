@@ -81,7 +81,6 @@ SAME_FUNCTIONS = {
     "run": "a command of the file's name",
 }
 SAME_NUMBERS = {
-    "_HEIGHT": "of a picture",
     "_SEED": "of random numbers",
 }
 

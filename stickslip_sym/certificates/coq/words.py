@@ -13,10 +13,9 @@ import sympy as sp
 
 from stickslip_sym.certificates.coq.printer import MADE, Unsupported
 from stickslip_sym.core.aliases import Condition, Expr, Relation
+from stickslip_sym.core.numbers import ROOT_OF_ROUNDING
 
 _HALF = sp.Rational(1, 2)
-_TELLS = 1e-9
-"""Between an expression and a value: far above what 15 digits leave over."""
 HYPERBOLIC = (sp.tanh, sp.sinh, sp.cosh, sp.coth, sp.sech, sp.csch)
 
 
@@ -317,7 +316,7 @@ def differs(expr: Expr, value: Expr) -> bool:
     known = expr.replace(sp.Function("sqrt"), sp.sqrt).replace(sp.Function("exp"), sp.exp)
     numbers = {x: sp.Rational(7 + 3 * i, 11 + i) for i, x in enumerate(sorted(known.free_symbols, key=str))}
     gap = sp.N(known.xreplace(numbers) - value)
-    return bool(gap.is_number and gap.is_real and abs(gap) > _TELLS)
+    return bool(gap.is_number and gap.is_real and abs(gap) > ROOT_OF_ROUNDING)
 
 
 def depth(node: Expr) -> int:

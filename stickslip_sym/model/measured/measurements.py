@@ -36,8 +36,7 @@ _GAP_RATIOS = 2.0, 3.0  # times what three rows span, and the mean gap: mu may b
 _ROWS_BESIDE_OUTLIER = 3  # rows on either side that an outlier is held against; one of them may be an outlier too
 _RISES = 4.0  # times what friction changes between rows beside an outlier, which a smooth curve may exceed too
 _ROBUST = NORMAL_DEVIATION / 1.5**0.5  # standard deviation over the median of |mu_i - (mu_i-1 + mu_i+1)/2|
-_LARGE_TRACK = 1.0  # m; those of tribometers are smaller
-_LARGEST_TRACK = 1000  # m
+_LARGE_TRACK = 1  # m; those of tribometers are smaller
 _RESOLUTION = 0.01  # of mu: smaller steps are no outliers, however even the other rows are
 _OTHERS = {"sigma_mu": "sigma", "sigma_F_t": "sigma of F_t", "n": "n"}
 
@@ -457,7 +456,7 @@ def read_radius(radius: Number) -> Fraction:
         For what is no radius of a track, or one that may be in mm.
     """
     track = fraction(radius, "radius")
-    if not 0 < track < _LARGEST_TRACK:
+    if not 0 < track < 1000 * _LARGE_TRACK:  # even in mm
         raise InputError(f"radius = {float(track):g} m is that of no track; give it in m, like 0.03")
     plain = not isinstance(radius, str) or has_no_unit(radius)
     if plain and track > _LARGE_TRACK and strip_unit(radius, "radius") is radius:

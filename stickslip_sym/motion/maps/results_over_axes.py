@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 AxisValues = tuple[str, ArrayLike]
 """The name of an axis, and its values."""
 OSCILLATOR = ("V", "N", "m", "k", "c")
-_MOST_CELLS = 1_000_000  # of a map; more are taken for a mistake
+MOST_CELLS = 1_000_000  # of a map; more are taken for a mistake
 
 
 @dataclass(frozen=True)
@@ -146,8 +146,8 @@ def read_values(name: str, values: ArrayLike) -> FloatArray:
 
 def require_few(columns: int, rows: int) -> None:
     """Refuse a map of more than a million cells."""
-    if columns * rows > _MOST_CELLS:
-        raise InputError(f"{columns} x {rows} cells are more than {_MOST_CELLS}; take fewer values on an axis")
+    if columns * rows > MOST_CELLS:
+        raise InputError(f"{columns} x {rows} cells are more than {MOST_CELLS}; take fewer values on an axis")
 
 
 def read_axis(law: FrictionLaw, side: str, given: AxisValues) -> Axis:

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stickslip_sym as ss
+from stickslip_sym.core.probabilities import NORMAL
 from stickslip_sym.core.uncertain import interval_text, text_with_error
 from stickslip_sym.model.measured.measurements import Measurements
 from support.sweeps import sweep
@@ -332,7 +333,7 @@ def test_intervals_of_jumps_hold_the_truth(sets):
         low, high = fit.confidence()["w"]
         held.append(low <= 0.6217 <= high)
         sizes.append((high - low) / np.diff(v)[0])
-        assert fit.standard_errors["w"] == pytest.approx((high - low) / 3.92)
+        assert fit.standard_errors["w"] == pytest.approx((high - low) / 2 / NORMAL)
     assert np.mean(held) >= 0.92
     assert 0.999 < np.min(sizes) < np.mean(sizes) < 14
     with pytest.raises(ss.InputError, match="say nothing of w; fix it"):
