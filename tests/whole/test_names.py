@@ -80,9 +80,7 @@ SAME_FUNCTIONS = {
     "main": "the entry point, and what it runs once all is imported",
     "run": "a command of the file's name",
 }
-SAME_NUMBERS = {
-    "_SEED": "of random numbers",
-}
+SAME_NUMBERS: dict[str, str] = {}
 
 
 @cache

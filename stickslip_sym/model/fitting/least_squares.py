@@ -12,7 +12,7 @@ from scipy.optimize import least_squares, leastsq, lsq_linear
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, FloatArray
 from stickslip_sym.core.lambdify import function_of
-from stickslip_sym.core.numbers import NEXT_TO_ZERO, ROOT_OF_ROUNDING, SAME, SEED
+from stickslip_sym.core.numbers import NEXT_TO_ZERO, ROOT_OF_ROUNDING, ROUNDING, SAME, SEED
 from stickslip_sym.model.at_rest import reals
 from stickslip_sym.model.expression.dimensions import parse_unit
 from stickslip_sym.model.fitting.features import PHASES, SearchGrid, features_of
@@ -129,7 +129,7 @@ class Problem:
                 begin,
                 Dfun=slopes,
                 full_output=True,
-                gtol=np.finfo(np.float64).eps,
+                gtol=ROUNDING,
                 **how,
             )
             if (x < lowest).any() or (x > highest).any():
