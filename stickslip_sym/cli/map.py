@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from stickslip_sym.motion.maps.motions import MotionMap
 
 _AXIS = "NAME=START:STOP:COUNT"
-_WIDTH, _HEIGHT = 60, 20  # of the picture in text
+_HEIGHT = 20  # of the picture in text, of letters that are three times as many in a line
 
 
 def read_axis_option(text: str, option: str, law: ss.FrictionLaw) -> tuple[str, FloatArray]:
@@ -120,7 +120,7 @@ def report(motions: MotionMap) -> str:
     region, kinds = motions.regions()
     rows, columns = (
         np.linspace(0, size - 1, min(size, most)).round().astype(int)
-        for size, most in zip(region.shape, (_HEIGHT, _WIDTH), strict=True)
+        for size, most in zip(region.shape, (_HEIGHT, 3 * _HEIGHT), strict=True)
     )
     letters = np.array([kind.letter for kind in kinds])[region[np.ix_(rows[::-1], columns)]]
     x, y = (f"{axis.name} = {axis.values[0]:g} to {axis.values[-1]:g}" for axis in (motions.x, motions.y))

@@ -42,7 +42,6 @@ from stickslip_sym.output.shown import Report, views_of
 from stickslip_sym.output.tables import now
 
 _PERIODS_SHOWN = 8  # of free vibration, that the motion is shown for
-_PARTS_OF_TIME = 5  # of the time for a part, that one quantity, method or law may take
 _PROBABILITY_SAMPLES = 200  # for the probability, where a threshold takes less than a millisecond
 
 REACH = 3.0
@@ -438,7 +437,7 @@ class _Subject:
     @property
     def each(self) -> float:
         """The seconds that one quantity, method or law of a part may take."""
-        return self.seconds / _PARTS_OF_TIME
+        return self.seconds / len(self.point)
 
 
 def _computed(subject: _Subject) -> tuple[dict[str, Any], dict[str, str]]:
