@@ -25,7 +25,7 @@ from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 _NAMED_DIFFERENCE = 0.05  # relative difference of two values from which on its reason is named
 _STIFFNESS_RATIO = 1e4  # times the stiffness: N/(V sqrt(k m)) falls to a hundredth, where friction is weak
 _THRESHOLD_DIGITS = 1 - round(math.log10(TIGHT_RTOL))  # of the threshold in the table: the last may be off
-_FEWEST_POINTS = 5  # points of which one may be left out
+_FEWEST_SCATTERED = 5  # points of which one may be left out
 
 
 @dataclass(frozen=True, repr=False)
@@ -126,7 +126,7 @@ def scatter(law: FrictionLaw, criterion: Criterion, V: float, N: float) -> float
     points = [(place, cubic[0]) for place, cubic in zip(law.curve.places, law.curve.cubics, strict=True)]
     if end is not None:
         points += [(end, exact(law.mu(float(end)), "mu"))]
-    if len(points) < _FEWEST_POINTS:
+    if len(points) < _FEWEST_SCATTERED:
         return 0.0
     values = []
     whole = law.kinetic.table  # between whose places all curves are smooth

@@ -7,6 +7,7 @@ import random
 import pytest
 
 import stickslip_sym as ss
+from stickslip_sym.comparison import crosscheck
 from stickslip_sym.comparison.crosscheck import differences, scatter
 from support.sweeps import sweep
 
@@ -74,6 +75,24 @@ def test_another_weight_is_named_as_the_reason():
     reasons = differences(law, ss.criteria.equilibrium, point, value, 0.9)
     weak = ss.slope_average(law, "harmonic")(V=2.0, N=9.81)
     assert f"the harmonic average, {weak:.4g} kg/s" in reasons[0]
+
+
+@pytest.mark.parametrize(("off", "is_named"), [(0.03, False), (0.12, True)])
+def test_differences_of_some_per_cent_are_named(off, is_named, monkeypatch):
+    """What the static coefficient, or the weight, makes of the threshold of 1 kg/s."""
+    asked = []
+
+    def simulated(law, point, rtol=1e-6):
+        asked.append(point["k"] / POINT["k"])
+        return 1 - off
+
+    monkeypatch.setattr(crosscheck, "_simulated", simulated)
+    law = ss.laws.linear.typical().with_static("0.9")
+    weak = float(ss.slope_average(law, "harmonic")(V=0.5, N=9.81))
+    reasons = differences(law, ss.criteria.least_squares, POINT, (1 + off) * weak, 1.0)
+    assert any(reason.startswith("the weight") for reason in reasons) == is_named
+    assert any(reason.startswith("the static coefficient") for reason in reasons) == is_named
+    assert max(asked) ** 0.5 == pytest.approx(100), "at a hundredth of eta"
 
 
 def scattered(count=5):

@@ -40,6 +40,8 @@ def test_a_criterion_by_every_method(tmp_path):
     assert rows["scipy.integrate.quad"].relative_error < 4 * DOUBLE
     for digits in tradeoff.DIGITS:
         assert rows[f"mpmath, {digits} digits"].relative_error < 10.0 ** (1 - digits)
+    assert {f"mpmath, {digits} digits" for digits in (15, 30, 50)} <= rows.keys(), "users pick rows by name"
+    assert {f"Gauss rule, {nodes} nodes" for nodes in (2, 4, 8, 16, 32)} <= rows.keys()
     assert all(row.seconds > 0 for row in rows.values())
     assert rows["stable function, array"].seconds < rows["stable function, one value"].seconds
     pytest.importorskip("matplotlib")
@@ -93,6 +95,24 @@ def test_when_time_is_up_there_is_no_number(monkeypatch):
     assert str(trade).count("none: the t") == 4
     assert "x0 = -2 to 2 m, v0 = 0 to 2 m/s" in trade.title
     assert trade.rows[0].value == pytest.approx(SHARE, abs=1e-10)
+
+
+def test_settings_are_those_of_the_paper_or_are_ladders():
+    """The paper's scan, section 5, and its band at rest, section 3; a ladder has equal ratios."""
+    assert (tradeoff.SCAN_STEP, tradeoff.BAND_ABOVE_REST) == (0.001, 1e-4)
+    for ladder, spread in ((tradeoff.SIMULATED, 2**2), (tradeoff.BISECTED, 1e-3)):
+        assert np.divide(ladder[1:], ladder[:-1]) == pytest.approx(spread)
+    assert tradeoff.BISECTED[0] == 1e-3, "SciPy's own"
+    assert 20 < tradeoff.SIMULATED[0] < 100
+
+
+@pytest.mark.parametrize(("last", "rests"), [(0.05, True), (0.25, False)])
+def test_a_run_is_at_rest_where_it_is_slow_to_its_end(last, rests):
+    osc = ss.Oscillator(**BOX)
+    t = np.linspace(0, 500, 5001)
+    for before in (0.0, 2.0):
+        v = osc.V * np.where(t < 450, before, last) * np.sin(t)
+        assert tradeoff._is_quiet(t, v, osc) == rests
 
 
 @pytest.mark.thorough

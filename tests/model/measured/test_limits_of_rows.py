@@ -1,0 +1,197 @@
+"""Limits by which rows are judged: for each a row, a column or a law on either side."""
+
+import numpy as np
+import pytest
+
+import stickslip_sym as ss
+from stickslip_sym.comparison.decision import Decision
+from stickslip_sym.model.fitting.averaged import Averaged, ByLaw
+from stickslip_sym.model.fitting.lack_of_fit import chance_of_residuals, polynomials_of_rank
+from stickslip_sym.model.fitting.least_squares import Problem
+from stickslip_sym.model.measured.blocks import varying
+from stickslip_sym.model.measured.columns import HeaderColumn
+from stickslip_sym.model.measured.heavy_tails import have_heavy_tails
+from stickslip_sym.model.measured.measurements import Measurements
+from stickslip_sym.model.measured.noise import correlation_of, last_decimal
+from stickslip_sym.model.measured.plain import plain_numbers
+from stickslip_sym.model.measured.proposals import _unit_of_speed
+from stickslip_sym.model.measured.sweep_branches import sweep_branches_of
+
+V = np.linspace(0.05, 1.2, 40)
+LAW = ss.laws.exponential.typical()
+
+
+def write(folder, *lines):
+    path = folder / "rows.csv"
+    path.write_text("\n".join(lines))
+    return path
+
+
+@pytest.mark.parametrize(("largest", "varies"), [(1.05, False), (1.2, True)])
+def test_columns_that_vary_by_a_tenth_are_named(largest, varies):
+    assert bool(varying(["p"], [["1"], [str(largest)]])) == varies
+
+
+def test_a_few_columns_that_vary_are_named():
+    for count in (3, 12):
+        named = varying([f"p{i}" for i in range(count)], [["1"] * count, ["2"] * count])
+        assert len(named) == count or 3 < len(named) < count - 3
+
+
+@pytest.mark.parametrize(("share", "agree"), [(0.9, True), (0.6, False)])
+def test_blocks_agree_within_a_fifth(tmp_path, share, agree):
+    blocks = [[f"{v:.4f},{part * LAW.mu(v):.5f}" for v in V[::4]] for part in (1.0, share)]
+    path = write(tmp_path, "Step 1", "v [m/s],mu", *blocks[0], "", "Step 2", "v [m/s],mu", *blocks[1])
+    if agree:
+        assert len(ss.read_measurements(path)) == 20
+    else:
+        with pytest.raises(ss.InputError, match="contradict each other"):
+            ss.read_measurements(path)
+
+
+@pytest.mark.parametrize(("count", "heavy"), [(150, False), (450, True)])
+def test_tails_are_told_where_rows_are_many(count, heavy):
+    rng = np.random.default_rng(3)
+    v = np.linspace(0.05, 1, count)
+    assert have_heavy_tails(v, LAW.mu(v) + 0.004 * rng.standard_t(2.5, size=count)) == heavy
+
+
+@pytest.mark.parametrize(("mu", "is_taken"), [(3.0, True), (9.0, False)])
+def test_a_coefficient_is_below_some_units(mu, is_taken):
+    if is_taken:
+        assert Measurements.of([0.1, 0.2], [0.3, mu]).mu[1] == mu
+    else:
+        with pytest.raises(ss.InputError, match="a coefficient of friction is below"):
+            Measurements.of([0.1, 0.2], [0.3, mu])
+
+
+@pytest.mark.parametrize(("fastest", "is_taken"), [(60, True), (200, False)])
+def test_speeds_without_a_unit_are_of_this_world(tmp_path, fastest, is_taken):
+    path = write(tmp_path, "v,mu", "1,0.4", "2,0.35", f"{fastest},0.3")
+    if is_taken:
+        assert ss.read_measurements(path).v[-1] == fastest
+    else:
+        with pytest.raises(ss.InputError, match="without a unit a speed is in m/s"):
+            ss.read_measurements(path)
+
+
+@pytest.mark.parametrize(("radius", "is_taken"), [(0.5, True), (2, False), ("2 m", True), ("3000 m", False)])
+def test_a_track_is_no_longer_than_a_room(tmp_path, radius, is_taken):
+    path = write(tmp_path, "n [rpm],mu", "10,0.4", "20,0.35")
+    if is_taken:
+        assert len(ss.read_measurements(path, radius=radius)) == 2
+    else:
+        with pytest.raises(ss.InputError, match=r"no track|would be in m"):
+            ss.read_measurements(path, radius=radius)
+
+
+@pytest.mark.parametrize(("decimals", "last"), [(6, 1e-6), (13, 0.0)])
+def test_long_decimals_were_computed(decimals, last):
+    assert last_decimal(LAW.mu(V).round(decimals)) == pytest.approx(last)
+
+
+def test_noise_is_correlated_up_to_four_rows_apart():
+    rng = np.random.default_rng(1)
+    lags = []
+    for apart in (1, 2, 4, 6):
+        series = np.zeros((200 // apart + 1, apart))
+        for i in range(1, len(series)):
+            series[i] = 0.8 * series[i - 1] + rng.normal(size=apart)
+        lags.append(correlation_of(series.ravel(), 0)[2])
+    assert (lags[0], lags[2]) == (1, 4)
+    assert lags[1] in (2, 3, 4), "a higher order may say more"
+    assert lags[3] <= 4
+
+
+def test_few_rows_are_not_correlated():
+    """One lag needs eight: in five rows that fall and rise again nothing is correlated, in twenty there is."""
+    for count, correlated in ((5, False), (20, True)):
+        assert (correlation_of(np.cos(np.linspace(0, 4, count)), 0)[0] > 1) == correlated
+    assert correlation_of(np.ones(1000), 0)[0] < 100, "a trend leaves some rows that count"
+
+
+@pytest.mark.parametrize(("number", "is_plain"), [("5e29", True), ("2e30", False)])
+def test_a_number_out_of_range_stands_for_none(number, is_plain):
+    assert (plain_numbers(f"1,{number}\n2,3\n".encode(), ",", 2) is not None) == is_plain
+
+
+@pytest.mark.parametrize(("size", "unit"), [(3.0, "m/s"), (9.0, "mm/s"), (3000.0, "mm/s"), (9000.0, "um/s")])
+def test_a_unit_is_proposed_by_the_size_of_speeds(size, unit):
+    column = HeaderColumn.read("slide", 1)
+    assert _unit_of_speed(column, (), {0: np.array([0.1, size])}) == unit
+
+
+def up_and_down(count, turn, gap=0.02):
+    """Speeds that rise and fall between two ends, and coefficients with a hysteresis."""
+    rise = np.linspace(1 - turn, 1, count)
+    v = np.concatenate([np.linspace(0, 1, 40), *[rise[::-1], rise] * 3])
+    sign = np.sign(np.gradient(v))
+    mu = 0.3 - 0.1 * v + gap * sign + 1e-4 * np.random.default_rng(2).normal(size=len(v))
+    return v, mu
+
+
+def branches_of(v, mu):
+    order = np.argsort(v, kind="stable")
+    return sweep_branches_of(v[order], mu[order], np.ones(len(v)), order)
+
+
+@pytest.mark.parametrize(("turn", "is_branch"), [(0.05, False), (0.2, True)])
+def test_a_small_return_of_the_speed_is_jitter(turn, is_branch):
+    assert (branches_of(*up_and_down(12, turn)) is not None) == is_branch
+
+
+@pytest.mark.parametrize(("speeds", "is_branch"), [(2, False), (9, True)])
+def test_a_branch_has_some_speeds(speeds, is_branch):
+    v = np.concatenate([np.linspace(0, 1, speeds), np.linspace(1, 0, speeds)] * 8)
+    mu = 0.3 - 0.1 * v
+    assert (branches_of(v, mu) is not None) == is_branch
+
+
+def test_a_dwell_at_a_turn_is_halved():
+    """Rows that differ by a hundredth dwell at the turn; those that differ by a twentieth are on their branch."""
+    for step, dwells in ((0.01, True), (0.05, False)):
+        rise = np.concatenate([np.linspace(0, 0.8, 9), [1 - step, 1.0]])
+        v = np.concatenate([rise, [1 - step, 1 - step, 1 - step, 1 - step], np.linspace(0.8, 0, 9)])
+        found = branches_of(np.tile(v, 4), np.tile(0.3 - 0.1 * v, 4))
+        swept = found.sweep[np.argsort(np.argsort(np.tile(v, 4), kind="stable"))]
+        assert (swept[: len(v)].tolist().count(1) > 11) == dwells
+
+
+def averaged(values, weights, speeds):
+    rows = [ByLaw(str(value), weight, value, 0.01) for value, weight in zip(values, weights, strict=True)]
+    return Averaged.of(rows, {}, speeds=speeds, dof=3.0, unknown=0.0)
+
+
+@pytest.mark.parametrize(("speeds", "below"), [(5, None), (8, True)])
+def test_the_average_decides_where_laws_can_be_weighed(speeds, below):
+    """A law of little weight would keep all laws from agreeing."""
+    assert Decision.of_measured(1.5, 0.0, averaged((2.0, 1.0), (0.99, 0.01), speeds)).below is below
+
+
+def test_friction_that_builds_up_unseen_is_rare_and_may_be():
+    row = ByLaw("one", 1.0, 2.0, 0.01, unmeasured=1.9)
+    above = Averaged.of([row], {}, speeds=9, dof=30.0, unknown=0.0).above(1.0)
+    assert 0.97 < above < 0.995
+
+
+@pytest.mark.parametrize(("size", "is_seen"), [(0.0, False), (0.02, True)])
+def test_two_further_terms_are_looked_for(size, is_seen):
+    """Of the third degree, beside a law of a line, whose quadratic part is not there."""
+    rng = np.random.default_rng(4)
+    x = np.linspace(-1, 1, len(V))
+    residuals = 0.005 * rng.normal(size=len(V)) + size * (5 * x**3 - 3 * x) / 2
+    derivatives = np.column_stack([np.ones_like(x), x])
+    residuals -= derivatives @ np.linalg.lstsq(derivatives, residuals, rcond=None)[0]
+    chance = chance_of_residuals(residuals, derivatives, polynomials_of_rank(V, 2), 1e-12)
+    assert (chance < 0.001) == is_seen
+
+
+def test_starts_differ_and_reach_beyond_what_was_measured():
+    problem = Problem(ss.laws.gaussian, Measurements.of(V, LAW.mu(V)))
+    scales = np.array([start[list(problem.names).index("v_s")] for start in problem.starts()])
+    assert 2 < len(scales) < 9
+    drawn = np.array([trial[list(problem.names).index("v_s")] for trial in problem._trials(())])
+    assert 20 < len(drawn) < 90
+    assert V[0] / 8 < drawn.min() < V[0]
+    assert V[-1] < drawn.max() < 8 * V[-1]
+    assert np.min(np.abs(np.diff(np.log(np.sort(scales))))) > 0.5
