@@ -91,6 +91,21 @@ def test_repeated_blocks_have_one_letter():
     assert abbreviation.indented_equation("c", N * MU - V) == f"  c = {printing.text(N * MU - V)}"
 
 
+@pytest.mark.parametrize(("count", "is_whole"), [(40, True), (160, False)])
+def test_a_formula_of_some_lines_is_broken(count, is_whole):
+    shown = abbreviation.indented_equation("c", sp.Add(*sp.symbols(f"a100:{100 + count}", positive=True)))
+    assert (len(shown.splitlines()) == 1) == is_whole
+
+
+@pytest.mark.parametrize(("count", "has_letter"), [(3, False), (9, True)])
+def test_a_letter_saves_some_characters(count, has_letter):
+    """A block twice, in a formula of many terms."""
+    block = sp.Add(*sp.symbols(f"b100:{100 + count}", positive=True))
+    rest = sp.Add(*sp.symbols("a100:180", positive=True))
+    shown = abbreviation.indented_equation("c", rest + sp.exp(block) + sp.tanh(block))
+    assert ("where" in shown) == has_letter
+
+
 def test_a_table_shows_nothing_by_itself_in_jupyter(monkeypatch):
     monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
     shown = []

@@ -1,17 +1,22 @@
 """Limits by which rows are judged: for each a row, a column or a law on either side."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import stickslip_sym as ss
 from stickslip_sym.comparison.decision import Decision
+from stickslip_sym.model.fitting import fit as fitting
+from stickslip_sym.model.fitting import weights as weighing
 from stickslip_sym.model.fitting.averaged import Averaged, ByLaw
 from stickslip_sym.model.fitting.lack_of_fit import chance_of_residuals, polynomials_of_rank
 from stickslip_sym.model.fitting.least_squares import Problem
+from stickslip_sym.model.fitting.result import Fit
 from stickslip_sym.model.measured.blocks import varying
 from stickslip_sym.model.measured.columns import HeaderColumn
 from stickslip_sym.model.measured.heavy_tails import have_heavy_tails
-from stickslip_sym.model.measured.measurements import Measurements
+from stickslip_sym.model.measured.measurements import Measurements, _outliers
 from stickslip_sym.model.measured.noise import correlation_of, last_decimal
 from stickslip_sym.model.measured.plain import plain_numbers
 from stickslip_sym.model.measured.proposals import _unit_of_speed
@@ -195,3 +200,110 @@ def test_starts_differ_and_reach_beyond_what_was_measured():
     assert V[0] / 8 < drawn.min() < V[0]
     assert V[-1] < drawn.max() < 8 * V[-1]
     assert np.min(np.abs(np.diff(np.log(np.sort(scales))))) > 0.5
+
+
+# -- fits ------------------------------------------------------------------------------------------
+
+
+def warnings_of(errors, correlation=0.0):
+    """What is warned of where parameters have such relative errors, and one correlation."""
+    problem = Problem(ss.laws.exponential, Measurements.of(V, LAW.mu(V)))
+    p = np.array([float(LAW.values[name]) for name in problem.names])
+    deviations = errors * p
+    correlations = np.eye(len(p))
+    correlations[0, 1] = correlations[1, 0] = correlation
+    covariance = correlations * np.outer(deviations, deviations)
+    return " ".join(fitting._warnings(problem, p, covariance, fitting._Noise(), 1e-4))
+
+
+def test_parameters_that_are_hardly_determined_are_named():
+    assert warnings_of(0.3) == ""
+    assert "hardly determine it" in warnings_of(0.9)
+    assert "hardly distinguished" not in warnings_of(0.1, 0.995)
+    assert "hardly distinguished" in warnings_of(0.1, 0.9999)
+
+
+@pytest.mark.parametrize(("lowest", "is_measured"), [(0.05, True), (0.12, False)])
+def test_a_law_without_a_jump_is_measured_where_it_has_not_yet_risen(lowest, is_measured):
+    """That of 0.1 m/s has three quarters of its friction at 0.097 m/s."""
+    law = ss.FrictionLaw("0.4*tanh(v/0.1)")
+    measured = Measurements.of([lowest, 1.8 * lowest, 0.5, 1], [0.1, 0.2, 0.4, 0.4])
+    if is_measured:
+        fitting._require_rise(law, measured)
+    else:
+        with pytest.raises(ss.InputError, match="its friction builds up below"):
+            fitting._require_rise(law, measured)
+
+
+class Binned(Exception):
+    """Says into how many bins rows are put."""
+
+
+@pytest.mark.parametrize(("count", "is_binned"), [(600, False), (2000, True)])
+def test_many_rows_begin_as_some_hundred_means(count, is_binned, monkeypatch):
+    def binned(measured, bins):
+        raise Binned(bins)
+
+    monkeypatch.setattr(Measurements, "binned", binned)
+    v = np.linspace(0.05, 1, count)
+    if is_binned:
+        with pytest.raises(Binned) as stopped:
+            ss.fit(v, LAW.mu(v), laws="linear")
+        assert 150 < stopped.value.args[0] < 700
+    else:
+        assert ss.fit(v, LAW.mu(v), laws="linear").best.name == "linear"
+
+
+def one_fit(count, *, chi_squared=1.0, inflation=1.0):
+    values = dict.fromkeys("abcdef"[:count], 1.0)
+    return SimpleNamespace(values=values, chi_squared=chi_squared, inflation=inflation)
+
+
+def test_a_parameter_weighs_more_than_for_akaike_and_less_than_for_schwarz():
+    weights = weighing.weigh(Measurements.of([0.1, 0.5], [0.3, 0.2]), [one_fit(2), one_fit(3)]).weights
+    assert 1 < np.log(weights[0] / weights[1]) < np.log(100) / 2
+
+
+@pytest.mark.parametrize(("variance", "inflation"), [(1.15, 1.0), (2.0, 5.0)])
+def test_rows_count_by_the_laws_that_describe_them_about_as_well(variance, inflation):
+    fits = [one_fit(2, chi_squared=20, inflation=5.0), one_fit(2, chi_squared=20 * variance)]
+    assert weighing._inflation(22, fits) == inflation
+
+
+@pytest.mark.parametrize(("lowest", "is_far"), [(0.03, False), (0.1, True)])
+def test_friction_near_rest_hardly_matters(lowest, is_far):
+    fit = SimpleNamespace(measured=Measurements.of([lowest, 1.5], [0.3, 0.2]))
+    assert (Fit.extrapolation(fit, 0.5) is not None) == is_far
+
+
+@pytest.mark.parametrize(("speeds", "few"), [(5, True), (12, False)])
+def test_laws_are_ranked_by_some_speeds(speeds, few):
+    assert Decision.of_measured(1.5, 0.0, averaged((2.0,), (1.0,), speeds)).few == few
+
+
+# -- outliers --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("count", "noise", "off", "is_outlier"),
+    [
+        (60, 0.01, 0.04, False), (60, 0.01, 0.14, True),  # standard deviations
+        (60, 0.0, 0.015, False), (60, 0.0, 0.06, True),  # what is told apart without noise
+        (10, 0.0, 0.08, False), (10, 0.0, 0.3, True),  # few rows
+    ],
+)  # fmt: skip
+def test_a_row_is_off_by_some_deviations(count, noise, off, is_outlier):
+    rng = np.random.default_rng(5)
+    y = 0.4 + noise * rng.normal(size=count)
+    y[count // 2] = 0.4 + off
+    assert _outliers(np.linspace(0.1, 1, count), y)[count // 2] == is_outlier
+
+
+@pytest.mark.parametrize(("length", "is_read"), [(6000, True), (20_000, False)])
+def test_a_line_is_no_file(tmp_path, length, is_read):
+    path = write(tmp_path, "# " + "x" * length, "v [m/s],mu", "0.1,0.4", "0.2,0.35")
+    if is_read:
+        assert len(ss.read_measurements(path)) == 2
+    else:
+        with pytest.raises(ss.InputError, match="a row is a line of its own"):
+            ss.read_measurements(path)
