@@ -45,7 +45,7 @@ _PERIODS_SHOWN = 8  # of free vibration, that the motion is shown for
 _PROBABILITY_SAMPLES = 200  # for the probability, where a threshold takes less than a millisecond
 
 REACH = 3.0
-"""Times a value, and its inverse: where margins are sought; no decision turns on those beyond."""
+"""Times a value, and its inverse: where margins are sought, and motions are shown; none beyond decides."""
 DERIVATIVES = "derivatives of the threshold"
 
 

@@ -47,6 +47,16 @@ def script_of(law, criterion="least_squares"):
     return ss.derive(law, criterion).certificate("coq")
 
 
+@pytest.mark.parametrize(("kinks", "is_written"), [(2, True), (7, False)])
+def test_a_script_has_both_sides_of_a_few_kinks(kinks, is_written):
+    form = ss.derive(f"0.5 + {' + '.join(f'Abs(v - 0.{i})/9' for i in range(1, kinks + 1))}", "equilibrium")
+    if is_written:
+        assert "Theorem" in form.certificate("coq")
+    else:
+        with pytest.raises(ss.InputError, match="a script in Coq has the slopes between"):
+            form.certificate("coq")
+
+
 def changed(script, name, rng):
     """Return a script with another digit in the definition that begins with a name."""
     start = re.search(rf"^Definition {name}\b[^=]*:=", script, re.MULTILINE).end()

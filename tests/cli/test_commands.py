@@ -177,7 +177,9 @@ JSON = {
 def test_json(line, run):
     code, out, err = run(*line.split(), "--json")
     assert (code, err) == (0, "")
-    JSON[line](read_json(out))
+    found = read_json(out)
+    assert found["format"] == 3, "programs that read it ask for the format"
+    JSON[line](found)
 
 
 def test_derive_without_values_or_a_closed_form(run):

@@ -42,7 +42,6 @@ _SHEETS = 2  # of paper
 _WIDEST = 260  # characters of a formula as text, up to which it fits a sheet when it is set
 _MOST_PAGE_CHARACTERS = 1500  # characters that are shown at all
 _SCALE = 2 / 3  # of a figure of its own: two stand beside each other on a screen and on paper
-_BELT_SPEEDS_SHOWN = 10.0  # belt speeds up to which a motion is shown in the phase plane
 
 
 def page_of_study(study: Study) -> str:
@@ -169,9 +168,7 @@ def _phase_plane(ax: Any, study: Study, motions: Regime) -> None:
     handles = motions.draw(ax)
     if study.motion is not None:
         state = study.motion.at(np.linspace(0, study.motion.stretches[-1].end, MOST_DRAWN))
-        reach = max(
-            [_BELT_SPEEDS_SHOWN * study.oscillator.V, *(1.2 * cycle.amplitude for cycle in motions.cycles)]
-        )
+        reach = max([REACH * study.oscillator.V, *(1.2 * cycle.amplitude for cycle in motions.cycles)])
         shown = np.logical_and.accumulate(np.abs(state.v) <= reach)
         line = {"color": "0.7", "linewidth": 0.7, "zorder": 0, "label": "motion over time"}
         handles += ax.plot(state.x[shown], state.v[shown], **line)
