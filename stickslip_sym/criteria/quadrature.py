@@ -28,6 +28,7 @@ from stickslip_sym.numerics.chebyshev import grid
 from stickslip_sym.numerics.known import Unknown
 from stickslip_sym.numerics.subdivide import (
     HALVE,
+    MOST_INTERVALS,
     Accept,
     Decision,
     DivisionLimits,
@@ -44,7 +45,6 @@ MOST_DIGITS = 10_000  # of a result
 _GUARD_DIGITS = int(GUARD_BITS * math.log10(2))  # digits beyond those asked for, against rounding in the sum
 MOST_DIGITS_LOST = 400  # digits of cancellation in an integral that are followed before it counts as zero
 _MOST_LOST_IN_SLOPE = 5 * MOST_DIGITS_LOST  # of a slope, which costs a few values of mu only
-_MOST_PANELS = 240  # that are looked at
 _PANEL_RATIO = 4  # times, each panel beside a narrow one
 _ORDERS_AT_REST = 4
 """Times the digits of a number: decimal orders below the belt speed, as near as rest itself."""
@@ -334,11 +334,11 @@ def _adaptive(f: Function, a: Mpf, b: Mpf, tolerance: Mpf, rule: str) -> Mpf:
         accepted.extend(one for one in estimates if one.error <= share)
         return [Accept(one.value) if one.error <= share else HALVE for one in estimates]
 
-    limits = DivisionLimits(WorkBudget(_MOST_PANELS))
-    values = subdivide([(a, b)], look, limits=limits, at_once=_MOST_PANELS).complete()
+    limits = DivisionLimits(WorkBudget(MOST_INTERVALS))
+    values = subdivide([(a, b)], look, limits=limits, at_once=MOST_INTERVALS).complete()
     if isinstance(values, Unknown):
         raise NotConverged(
-            f"the quadrature did not reach {mp.nstr(tolerance, 2)} relative with {_MOST_PANELS} panels; "
+            f"the quadrature did not reach {mp.nstr(tolerance, 2)} relative with {MOST_INTERVALS} panels; "
             "ask for fewer digits, or split the law where it is not smooth"
         )
     return mp.fsum(values)

@@ -19,11 +19,10 @@ from stickslip_sym.core.numbers import DOUBLE_BITS
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.expression.pieces import jumps
-from stickslip_sym.numerics.subdivide import shown
+from stickslip_sym.numerics.subdivide import MOST_INTERVALS, shown
 
 BITS_OF_SIGNS = DOUBLE_BITS
 """The precision with which a sign is shown that is far from changing."""
-_MOST_CUTS = 400  # of a range on which a sign is shown
 _speed = sp.Symbol("v", positive=True)
 
 
@@ -69,4 +68,4 @@ def _is_positive(expr: Expr, start: Expr, end: Expr | None) -> bool:
         def holds(low: Expr, high: Expr, _: int) -> bool:
             return bool(function(acb(ball(low).real.union(ball(high).real)), False).real > 0)
 
-        return shown(holds, [(start, end)], halvings=math.inf, most=_MOST_CUTS)
+        return shown(holds, [(start, end)], halvings=math.inf, most=MOST_INTERVALS)

@@ -117,6 +117,8 @@ def _states(rise: Rise, columns: Any, field: Field, rtol: float, rows: Any) -> N
             rows[i, 0], rows[i, 1] = step.q, step.w
 
 
+SAME_AMPLITUDE = 1e-9
+"""Over V, the distance of amplitudes that are one, and of slip speeds: a smaller swing is rest."""
 _FEW_SLIPS, _FEW_STATES = (
     8,
     1000,

@@ -78,6 +78,8 @@ class Halve(NamedTuple, Generic[N]):
 
 
 HALVE = Halve(None)
+MOST_INTERVALS = 400
+"""That are looked at where each takes milliseconds, before a function counts as too irregular."""
 Decision: TypeAlias = Accept[P] | Halve[N] | Unknown
 Look: TypeAlias = Callable[[Sequence[Interval[X, N]]], Iterable[Decision[P, N]]]
 

@@ -56,6 +56,7 @@ from stickslip_sym.numerics.chebyshev import ball_grid
 from stickslip_sym.numerics.known import Unknown, attempted
 from stickslip_sym.numerics.subdivide import (
     HALVE,
+    MOST_INTERVALS,
     Accept,
     Decision,
     DivisionLimits,
@@ -78,7 +79,6 @@ _OCTAVES = (0.0, *(0.4 * 1.6**k for k in range(9)))
 
 _BRANCH_NODES = 19  # of a panel
 _SMOOTH = 0.5 * EPSILON  # of <|g'|>: the last coefficients of a panel
-_PANELS = 500  # at most; what takes more waves for ever
 _AT_KINK = 4 * EPSILON  # relative: what products of a belt speed and powers of parameters are rounded by
 
 _POINTS_AN_OCTAVE = 16  # in an octave, at which a closed form is compared
@@ -183,7 +183,7 @@ class _Builder:
         self.corners = {float(r): r for r in (kink / (1 if self.local else 2) for kink in self.values.kinks)}
         lowest, highest = scales_of(profile, point)
         self.lowest, self.highest = min([lowest, *self.corners]), max([highest, *self.corners])
-        self.panels = WorkBudget(_PANELS)
+        self.panels = WorkBudget(MOST_INTERVALS)
         self.decay = decay_at_rest(self.values.parts[0], point)
 
     def build(self) -> Branches | Unknown:

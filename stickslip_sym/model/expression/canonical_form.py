@@ -15,7 +15,6 @@ from stickslip_sym.core.functions import fold, power, write_sech
 from stickslip_sym.core.special import Langevin
 from stickslip_sym.model.expression.pieces import join_kinks
 
-_MOST_EXPANDED = 6  # of a power of a sum of two terms that a rule makes
 HIGHEST_POWER_OF_V = 24
 """That a law may have and a rule makes; zeros of polynomials of a higher degree, which take milliseconds, are not
 computed."""
@@ -92,7 +91,7 @@ def _rewrite_power(base: Expr, exponent: Expr) -> Expr:
         base = _RECIPROCALS[base.func](base.args[0])
         exponent = -exponent
     if base.is_Add and exponent.is_Integer and exponent < 0:
-        if exponent >= -_MOST_EXPANDED and (reciprocal := _reciprocal_of_exponentials(base)) is not None:
+        if exponent >= -HIGHEST_POWER_OF_SUM and (reciprocal := _reciprocal_of_exponentials(base)) is not None:
             return reduce(lambda a, b: sp.expand(a * b), [reciprocal] * int(-exponent))
         if (falling := _write_by_falling_exponential(base)) is not None:
             return power(falling[1], exponent) * sp.exp(exponent * falling[0].args[0])

@@ -25,7 +25,15 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import CONSTANTS, functions_in_laws, power
 from stickslip_sym.core.names import suggestion
 from stickslip_sym.core.numbers import MOST_NUMBER_CHARACTERS, NUMBER_BITS, bits, is_within
-from stickslip_sym.model.expression.pieces import Bound, bound_of, larger, piecewise_law, sign, smaller
+from stickslip_sym.model.expression.pieces import (
+    MOST_PIECES,
+    Bound,
+    bound_of,
+    larger,
+    piecewise_law,
+    sign,
+    smaller,
+)
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 """What a name looks like: ASCII letters, digits and underscores, at most 40."""
@@ -104,7 +112,6 @@ _MAX_LENGTH = 2000
 _MAX_DEPTH = 60
 _MAX_EXPONENT = 64
 _MAX_ARGUMENT = 1_000_000
-_MAX_KINKS = 40
 _MAX_ROOT_BITS = 256  # of a number that a root is taken of: SymPy looks for its factors
 _NOT_FINITE = frozenset({sp.zoo, sp.nan, sp.oo, -sp.oo})
 
@@ -569,8 +576,8 @@ class _Parser:
 
     def _count_kinks(self, token: _Token, more: int) -> None:
         self.kinks += more
-        if self.kinks > _MAX_KINKS:
-            self.fail(token, f"Abs, Min, Max and Piecewise have more than {_MAX_KINKS} arguments in all")
+        if self.kinks > MOST_PIECES:
+            self.fail(token, f"Abs, Min, Max and Piecewise have more than {MOST_PIECES} arguments in all")
 
     def _power(self, token: _Token, base: Expr, exponent: Expr) -> Expr:
         if exponent.is_number and not is_within(exponent, _MAX_EXPONENT):

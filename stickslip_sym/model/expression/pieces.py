@@ -23,7 +23,8 @@ Cases: TypeAlias = list[tuple[Expr, Expr | None]]
 
 RELATIONS = (sp.StrictLessThan, sp.StrictGreaterThan)
 _MOST_UNORDERED = 6  # parameters in Max and Min whose order is unknown: SymPy compares all pairs, at length
-_MOST_PIECES = 64
+MOST_PIECES = 64
+"""Of a law, and arguments of what makes them."""
 
 
 # -- the pieces of an expression -------------------------------------------------------------------
@@ -73,8 +74,8 @@ def _smooth(cases: Cases) -> Cases:
             is_empty = before is None or (place is not None and (place - before).is_nonpositive)
             if not is_empty:
                 smooth.append((branch, place))
-    if len(smooth) > _MOST_PIECES:
-        raise InputError(f"the kinks of the law part it into more than {_MOST_PIECES} pieces")
+    if len(smooth) > MOST_PIECES:
+        raise InputError(f"the kinks of the law part it into more than {MOST_PIECES} pieces")
     return smooth
 
 

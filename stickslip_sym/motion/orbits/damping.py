@@ -36,7 +36,7 @@ from stickslip_sym.motion.orbits.needed import (
     velocity_mismatch_at,
 )
 from stickslip_sym.motion.simulation.cycle import first_minimum
-from stickslip_sym.motion.slip import NondimensionalOscillator
+from stickslip_sym.motion.slip import SAME_AMPLITUDE, NondimensionalOscillator
 from stickslip_sym.numerics.known import Column, Unknown, attempted
 from stickslip_sym.numerics.resolved import ERRORS_OF_CLEAR_SIGN, Resolved, Turn, resolve
 
@@ -44,7 +44,8 @@ NEAREST = 1e-3
 """Lowest amplitude over the belt's speed that is looked at; a smaller cycle shows by the growth at rest."""
 DAMPING_RTOL = 1e-9
 """Of d, that its polynomials may leave out, and of thresholds to which others are held."""
-_MOST_ORBITS = 2000  # orbits, to resolve it
+MOST_ORBITS = 2000
+"""Orbits, to resolve it, and rounds that overtake the belt."""
 OF_ORBITS = 1e-8
 """Relative error of the values through which they go, and what polynomials over another quantity leave out."""
 _FEW_ORBITS = 20  # orbits, up to which plain Python is as fast as loading compiled code
@@ -54,8 +55,6 @@ _WEAK_FRICTION = 1.0  # eta, below which mismatches are so small that their step
 _RELATIVE_CYCLE_WIDTH = DAMPING_RTOL / NEAREST  # of the amplitude of a cycle by polynomials, within which it lies
 _NARROW_RATIO = 64  # times narrower than V is a piece of the table in which mu changes quickly,
 _NARROWER = 0.6  # and than the pieces beside it
-SAME_AMPLITUDE = 1e-9
-"""Over V, the distance of amplitudes that are one, or of highest slip speeds."""
 _THIN = 1e-3  # over V, width of a layer at rest that polynomials might not see
 _DAMPING_OF_JUMP = 0.5  # damping ratio that a jump of mu at V may ask for
 _LARGEST_LEAST_AMPLITUDE = 0.9  # amplitude above all such
@@ -142,7 +141,7 @@ class NeededDamping:
             lambda places: self._values(self.amplitudes(places)),
             range(len(self.edges)),
             rtol=DAMPING_RTOL,
-            most=_MOST_ORBITS,
+            most=MOST_ORBITS,
         )
 
     @property
@@ -260,7 +259,7 @@ class NeededDamping:
             if not self._passes(low, high, damping):
                 raise NotConverged(
                     f"the slip orbits with amplitudes from {low * V:.9g} to {high * V:.9g} m/s are not resolved "
-                    f"by {_MOST_ORBITS} orbits: limit cycles there may be missed; try ",
+                    f"by {MOST_ORBITS} orbits: limit cycles there may be missed; try ",
                     Call("simulate()", "simulate LAW"),
                 )
         roots = {root.low: float(self.amplitudes(root.x)) for root in self.resolved.roots(damping)}
@@ -353,7 +352,7 @@ def resolve_together(needs: Sequence[NeededDamping]) -> None:
             A[which == i] = needs[i].amplitudes(places[which == i] - begins[i])
         return _orbit_dampings(system, etas[which], A)
 
-    whole = resolve(values, range(int(begins[-1]) + 1), rtol=DAMPING_RTOL, most=_MOST_ORBITS * len(needs))
+    whole = resolve(values, range(int(begins[-1]) + 1), rtol=DAMPING_RTOL, most=MOST_ORBITS * len(needs))
     for need, (begin, end) in zip(needs, pairwise(begins.tolist()), strict=True):
         vars(need)["resolved"] = whole.between(begin, end)
 

@@ -34,13 +34,13 @@ from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.numbers import SAME
 from stickslip_sym.model.table import TABLE_DEGREE, FrictionTable
 from stickslip_sym.motion.kernel.slip_data import ADDED, PRECISE
+from stickslip_sym.motion.orbits.damping import MOST_ORBITS
 from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.numerics.known import Column, Unknown
 from stickslip_sym.numerics.resolved import Resolved, Root, resolve
 from stickslip_sym.numerics.subdivide import joined
 
 _FARTHEST_DISPLACEMENT = 1e6  # displacement up to which cycles are sought where there is no reach
-_MOST_ROUNDS = 4000  # rounds whose growth is computed
 _SHARE_OF_FIRST_ROUND = 0.9  # of R(0): all rounds grow up to there
 _DISPLACEMENTS_LOOKED_AT = 24
 """Displacements, from the nearest to the farthest, at which it is asked whether rounds come in at once."""
@@ -269,7 +269,7 @@ def _rounds_between(system: NondimensionalOscillator, low: float, far: float, rt
         return Column.of(grown, np.maximum(np.nan_to_num(errors), least), _LOST)
 
     least = ADDED * rtol
-    growths = resolve(growth, [math.log(low), math.log(far)], rtol=least, most=_MOST_ROUNDS)
+    growths = resolve(growth, [math.log(low), math.log(far)], rtol=least, most=MOST_ORBITS)
 
     marks = list[FixedPoint]()
     for begin, end in np.exp(joined(one[:2] for one in growths.open)).tolist():

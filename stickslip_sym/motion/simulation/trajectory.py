@@ -19,6 +19,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.kernel.slip_data import ADDED
 from stickslip_sym.motion.motion import Motion
+from stickslip_sym.motion.slip import SAME_AMPLITUDE
 from stickslip_sym.output import files
 from stickslip_sym.output.data import DataResult, TableResult
 from stickslip_sym.output.shown import Shown, views_of
@@ -26,7 +27,6 @@ from stickslip_sym.output.shown import Shown, views_of
 if TYPE_CHECKING:
     from stickslip_sym.output.shown import Axes, Figure
 
-_STILL = 1e-9  # m for each m that the belt moves in 1/omega: a smaller swing is rest
 _DENSE = 8  # points of a smooth curve for each step of an integration
 
 
@@ -243,7 +243,7 @@ class Trajectory(Shown, TableResult, by_identity=True):
             ends = self._swings[[0, -1]]
         else:
             ends = np.array([math.inf])
-        return bool(ends.min() == 0 or ends.max() <= _STILL * self.oscillator.length)
+        return bool(ends.min() == 0 or ends.max() <= SAME_AMPLITUDE * self.oscillator.length)
 
     @property
     def summary(self) -> str:

@@ -19,9 +19,9 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import Pieces
 from stickslip_sym.motion.kernel.slip_data import ADDED, PRECISE, TIGHT, SlipEnd, Wedge
-from stickslip_sym.motion.orbits.damping import DAMPING_RTOL, SAME_AMPLITUDE, STEP_ERRORS
+from stickslip_sym.motion.orbits.damping import DAMPING_RTOL, STEP_ERRORS
 from stickslip_sym.motion.orbits.needed import PARTED, ROUNDING, orbit_damping_ratio, velocity_mismatch_at
-from stickslip_sym.motion.slip import NondimensionalOscillator
+from stickslip_sym.motion.slip import SAME_AMPLITUDE, NondimensionalOscillator
 from stickslip_sym.numerics.resolved import ERRORS_OF_CLEAR_SIGN
 
 _TABULATED_OVER_HIGHEST = 1.5
