@@ -20,14 +20,14 @@ from stickslip_sym.core.errors import InputError, NotConverged
 from stickslip_sym.core.functions import arguments, write_sech
 from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.core.precision import GUARD_BITS, ball_of_mpmath, middle_in_mpmath, mp, refined, rounded
-from stickslip_sym.criteria.quadrature import MOST_DIGITS
+from stickslip_sym.criteria.quadrature import MOST_DIGITS, MOST_DIGITS_LOST
 from stickslip_sym.model.leading_terms import symbolic_limit_at_rest
 from stickslip_sym.numerics.known import Unknown
 
 _MOST_EXACT_BITS = math.ceil(MOST_DIGITS * math.log2(10))
 """Of working precision, before a value counts as out of reach."""
-_BITS_RATIO_TO_PARTS = 4
-"""Times the bits asked for, before a formula is taken apart by exact arithmetic, which takes long."""
+_BITS_LOST = math.ceil(MOST_DIGITS_LOST * math.log2(10))
+"""Beyond those asked for, before a formula is taken apart by exact arithmetic, which takes long."""
 _LONGEST_SERIES = 1e4  # an argument from where as many terms cancel, for which mpmath has no asymptotic series
 
 
@@ -55,7 +55,7 @@ def to_ball(expr: Expr, point: Substitution, digits: int) -> tuple[arb, bool]:
             raise _no_value(point)
         return value.real
 
-    for most in (min(_BITS_RATIO_TO_PARTS * goal, _MOST_EXACT_BITS), _MOST_EXACT_BITS):
+    for most in (min(goal + _BITS_LOST, _MOST_EXACT_BITS), _MOST_EXACT_BITS):
         value = refined(computed, goal, most)
         if value.is_finite() and value.rel_accuracy_bits() >= goal:
             return value, alone

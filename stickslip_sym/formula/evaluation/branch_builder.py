@@ -235,7 +235,7 @@ class _Builder:
         if last is None and direct is None:
             farthest = OCTAVES_BEYOND_SCALES
             while farthest and not self._is_tabulated(self.highest * 2.0**farthest):
-                farthest //= 2  # it may wave for ever: its table ends where few panels are enough for an octave
+                farthest //= 8  # it may wave for ever: its table ends where few panels are enough for an octave
             if not farthest:
                 return Unknown(f"{self.profile} varies too often for a table, and has no series far out")
             last = self.highest * 2.0**farthest, nothing

@@ -24,8 +24,8 @@ from stickslip_sym.core.special import Erfcx
 from stickslip_sym.criteria.criterion import Criterion
 from stickslip_sym.model.formula_algebra import Bound, ExpansionAlgebra, NotAnalytic
 
-_SERIES_TERMS = 30
-"""Terms of a series: (1/5)^30 < 2^-66, so that it holds up to a fifth of its radius of convergence."""
+_SERIES_TERMS = round(-math.log2(NEGLIGIBLE)) // 2
+"""Terms of a series: they gain two bits each up to a quarter of its radius of convergence."""
 _WORKING_BITS = round(-4 * math.log2(NEGLIGIBLE))  # of working precision, for exponents that differ by that
 
 _LIMITS: dict[type[Expr], tuple[int | None, int | None]] = {

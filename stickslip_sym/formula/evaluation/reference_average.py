@@ -35,8 +35,10 @@ from stickslip_sym.model.table import STEEPER
 from stickslip_sym.model.taylor_model import balls_from_rest, coefficient_near_rest
 from stickslip_sym.numerics.chebyshev import gauss_grid
 from stickslip_sym.numerics.known import Unknown, required
+from stickslip_sym.numerics.resolved import ERRORS_OF_COEFFICIENT
 from stickslip_sym.numerics.subdivide import (
     HALVE,
+    MOST_INTERVALS,
     Accept,
     Decision,
     DivisionLimits,
@@ -58,14 +60,10 @@ _PLACES = tuple(0.3 * 2.7**k for k in range(5))  # r at which a closed form is c
 _PIECE_NODES = 32  # in a piece
 _INTEGRATED = math.sqrt(NEGLIGIBLE)  # in the innermost panel, where the rule alone counts: it has twice the order
 _BITS_OF_CLOSED_FORM = -math.log2(NEGLIGIBLE)  # bits of relative accuracy that a value of the closed form needs
-_NOISE_RADII = 8
-"""Times the radius of a ball around the slope: where the slope cancels no piece is resolved better."""
-_MOST_PIECES_AN_OCTAVE = 80  # in an octave: a value takes all of them, and a table takes thousands of values
 _MOST_WORK = 20_000  # pieces that all values may take, for each kink: some seconds; balls give single values then
-_QUARTERS = 5  # halvings of a piece for balls that bound its slope
+_QUARTERS = 5  # halvings of a piece for balls that bound its slope: with 3 a narrow bump takes thrice the time
 _ORDER = 8  # of a power series that bounds it, where terms cancel
 _EXPANSION = round(_BITS_OF_CLOSED_FORM)  # terms of a weight that is no polynomial, which is expanded up to r
-_OCTAVES_TO_INNERMOST = 5  # octaves from r to the innermost panel, at least
 OCTAVES_BEYOND_SCALES = 40
 """Octaves below the lowest kink, or below 1, where the innermost panel is looked for, and beyond all scales of a
 profile up to which a closed form is compared."""
@@ -134,10 +132,9 @@ class ReferenceAverage:
         self._pieces: dict[int, list[_Piece]] = {}
         self._resolved_pieces: dict[tuple[float, float], list[_Piece] | Unknown] = {}
         self._work = 0  # pieces that all values so far took
-        self._close = max(_OCTAVES_TO_INNERMOST, self._order)
         lowest = math.frexp(scales_of(profile, point)[0])[1]
-        highest = min([lowest - self._close, *(math.frexp(float(kink))[1] - 1 for kink in self.kinks)])
-        tried = range(highest, highest - OCTAVES_BEYOND_SCALES, -_OCTAVES_TO_INNERMOST)
+        highest = min([lowest - self._order, *(math.frexp(float(kink))[1] - 1 for kink in self.kinks)])
+        tried = range(highest, highest - OCTAVES_BEYOND_SCALES, -self._order)
         self._first = next((octave for octave in tried if self._innermost(octave)[1]), tried[-1])
         self._formula: BallFunction | None = None
         if closed is not None:
@@ -180,7 +177,7 @@ class ReferenceAverage:
             return -self._slope(r)(acb(r), False).real
         r = r.mid()
         polynomial = self.criterion.is_polynomial
-        innermost = min(math.frexp(float(r))[1] - 1 - self._close, self._first)
+        innermost = min(math.frexp(float(r))[1] - 1 - self._order, self._first)
         pieces = self._pieces_up_to(innermost, 2 * r)
         count = max(bisect_right(pieces, 2 * r if polynomial else r, key=lambda piece: piece.high), 1)
         below = pieces[count - 1]
@@ -270,7 +267,7 @@ class ReferenceAverage:
         heights, noise = required(_heights(balls))
         sizes = [abs(float(c)) for c in rule.coefficients(heights)]
         samples = [(x, h * w) for x, h, w in zip(places, heights, weights, strict=True)]
-        return samples, max(sizes[-2:]) <= _INTEGRATED * max(sizes) + _NOISE_RADII * noise
+        return samples, max(sizes[-2:]) <= _INTEGRATED * max(sizes) + ERRORS_OF_COEFFICIENT * noise
 
     def _resolved(self, low: arb, high: arb, below: arb) -> list[_Piece] | Unknown:
         """Return the slope between two speeds as polynomials, halved until each holds; `below` is a moment."""
@@ -278,7 +275,7 @@ class ReferenceAverage:
         def look(intervals: Sequence[Interval[arb, None]]) -> list[Decision[_Piece, None]]:
             return [self._polynomial(one.low, one.high, below) for one in intervals]
 
-        limits = DivisionLimits(WorkBudget(_MOST_PIECES_AN_OCTAVE))
+        limits = DivisionLimits(WorkBudget(MOST_INTERVALS))
         return subdivide([(low, high)], look, limits=limits, cut=exact_middle, to_first_open=True).complete()
 
     def _polynomial(self, low: arb, high: arb, below: arb) -> Decision[_Piece, None]:
@@ -296,7 +293,7 @@ class ReferenceAverage:
         coefficients = [c.mid() for c in rule.coefficients(heights)]
         sizes = [abs(float(c)) for c in coefficients]
         moment = self._moment(samples)
-        smooth = max(sizes[-2:]) <= NEGLIGIBLE * max(sizes) + _NOISE_RADII * noise
+        smooth = max(sizes[-2:]) <= NEGLIGIBLE * max(sizes) + ERRORS_OF_COEFFICIENT * noise
         power = max(1, int(sp.ceiling(self.criterion.order_at_rest)))
         negligible = (NEGLIGIBLE * below / ((high - low) * high**power)).max(arb(SMALLEST))
         most = negligible
