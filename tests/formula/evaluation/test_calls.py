@@ -7,6 +7,9 @@ import pytest
 import sympy as sp
 
 import stickslip_sym as ss
+from stickslip_sym.formula.evaluation.term_function import TermFunction, _function_of_base
+from stickslip_sym.formula.proof.gate import verify
+from stickslip_sym.numerics.known import Unknown
 from support.closed_forms import form_of
 from support.sweeps import sweep
 
@@ -179,3 +182,33 @@ def test_no_power_of_two_long_fractions_is_taken_apart(monkeypatch):
         by_balls = float(ss.enclose(law, criterion, V=0.5, N=9.81))
         assert average(V=0.5, N=9.81) == pytest.approx(by_balls, rel=SAME)
         assert average(V=0.5, N=9.81, mu_s=0.15) == 0  # mu is constant there
+
+
+def test_branches_of_a_new_shape_are_made_from_the_eighth_value_on(monkeypatch):
+    """A few values are had sooner by balls."""
+    average, made = ss.slope_average("0.2 + 0.3*exp(-(v/0.5)^p)"), []
+
+    def counted(self, shapes=()):
+        made.append(shapes)
+        return Unknown("they are counted here")
+
+    monkeypatch.setattr(TermFunction, "branches", counted)
+    for V in np.linspace(0.1, 0.7, 7).tolist():
+        average(V=V, N=1.0, p=1.5)
+    assert made == []
+    average(V=0.8, N=1.0, p=1.5)
+    assert made == [(1.5,)]
+
+
+@pytest.mark.parametrize(("d", "kept"), [(0.9, True), (1.5, False)])
+def test_a_sum_that_cancels_is_left_to_balls(d, kept):
+    """1 + 1 - 0.9 is a third of the sizes of its terms, 1 + 1 - 1.5 a seventh."""
+    symbols = sp.symbols("a b d", positive=True)
+    value = _function_of_base(symbols[0] + symbols[1] - symbols[2], symbols)([1.0, 1.0, d])
+    assert (value == 2 - d) if kept else np.isnan(value)
+
+
+def test_the_gate_says_what_it_compared():
+    v, V = ss.symbols.v, ss.symbols.V
+    verdict = verify(v**2, ss.criteria.catalogue["least_squares"], -2 * V)
+    assert verdict.evidence == "agrees with enclosures to 30 digits at 12 random points"
