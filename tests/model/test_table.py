@@ -15,7 +15,7 @@ import stickslip_sym as ss
 from stickslip_sym.core import balls, symbols
 from stickslip_sym.model.expression.pieces import branch_from
 from stickslip_sym.model.expression.transitions import transitions
-from stickslip_sym.model.table import FARTHEST
+from stickslip_sym.model.table import FARTHEST, TABLE_DEGREE, FrictionTable, _Segment
 from stickslip_sym.motion.kernel.forces import slope_at
 from stickslip_sym.motion.kernel.slip_data import Branch
 from support.narrow_laws import SHAPES, narrow_law
@@ -198,3 +198,35 @@ def test_a_bump_of_a_law_that_is_flat_elsewhere_is_seen(bump, seed):
     assert table.rise(a) == pytest.approx(1e-3, rel=1e-6)
     assert table.rise(a * (1 + 100 * w)) == pytest.approx(0, abs=1e-12)
     assert law.mu(a) == pytest.approx(0.201, rel=1e-9)
+
+
+def made_of(*lows):
+    """Return a table whose pieces begin at some speeds, and which ends at the last."""
+    *begins, end = lows
+    pieces = np.zeros((len(begins), 3 + TABLE_DEGREE + 1))
+    pieces[:, 0] = begins
+    return FrictionTable(0.3, 0.3, (), math.inf, end, False, pieces, (0, len(begins)))
+
+
+def test_pieces_within_an_eighth_of_their_speed_are_narrow():
+    assert made_of(0, 1, 1.12, 1.266, 2.5).narrow.tolist() == [[1, 1.12]]
+
+
+def test_steps_end_where_pieces_are_so_narrow_that_stages_may_miss_them():
+    """The second piece is 3 % of its speed wide, those after it 4 % and more."""
+    assert made_of(0, 1, 1.03, 1.07, 1.12, 1.2)._landings.tolist() == [1, 2]
+
+
+def test_what_a_transition_asks_of_an_interval():
+    """That it is no wider than two of its widths, beside it one more for each that it is away."""
+    segment = _Segment(np.asarray, 0.3, 0.0, 2.0, False, changes=np.array([[1.0], [0.1]]))
+    low = np.array([0.9, 0.9, 1.1, 1.1])
+    width = np.array([0.19, 0.21, 0.39, 0.41])
+    assert segment.hides(low, low + width).tolist() == [False, True, False, True]
+
+
+def test_what_is_left_after_four_halvings_may_be_the_noise_of_a_difference():
+    segment = _Segment(np.asarray, 0.3, 0.0, 2.0, False)
+    values, low = np.full((2, 3), 1e-6), np.ones(2)
+    before, after = segment.noise(values, low, low + 0.1, np.array([3, 4]))
+    assert after > 100 * before

@@ -33,9 +33,8 @@ from stickslip_sym.model.expression.pieces import branch_from, jumps, kinks_at
 from stickslip_sym.model.expression.transitions import complex_zeros
 from stickslip_sym.model.table import STEEPER
 from stickslip_sym.model.taylor_model import balls_from_rest, coefficient_near_rest
-from stickslip_sym.numerics.chebyshev import gauss_grid
+from stickslip_sym.numerics.chebyshev import gauss_grid, grid
 from stickslip_sym.numerics.known import Unknown, required
-from stickslip_sym.numerics.resolved import ERRORS_OF_COEFFICIENT
 from stickslip_sym.numerics.subdivide import (
     HALVE,
     MOST_INTERVALS,
@@ -267,7 +266,7 @@ class ReferenceAverage:
         heights, noise = required(_heights(balls))
         sizes = [abs(float(c)) for c in rule.coefficients(heights)]
         samples = [(x, h * w) for x, h, w in zip(places, heights, weights, strict=True)]
-        return samples, max(sizes[-2:]) <= _INTEGRATED * max(sizes) + ERRORS_OF_COEFFICIENT * noise
+        return samples, max(sizes[-2:]) <= _INTEGRATED * max(sizes) + grid(_PIECE_NODES).lebesgue * noise
 
     def _resolved(self, low: arb, high: arb, below: arb) -> list[_Piece] | Unknown:
         """Return the slope between two speeds as polynomials, halved until each holds; `below` is a moment."""
@@ -293,7 +292,7 @@ class ReferenceAverage:
         coefficients = [c.mid() for c in rule.coefficients(heights)]
         sizes = [abs(float(c)) for c in coefficients]
         moment = self._moment(samples)
-        smooth = max(sizes[-2:]) <= NEGLIGIBLE * max(sizes) + ERRORS_OF_COEFFICIENT * noise
+        smooth = max(sizes[-2:]) <= NEGLIGIBLE * max(sizes) + grid(_PIECE_NODES).lebesgue * noise
         power = max(1, int(sp.ceiling(self.criterion.order_at_rest)))
         negligible = (NEGLIGIBLE * below / ((high - low) * high**power)).max(arb(SMALLEST))
         most = negligible

@@ -9,7 +9,6 @@ from stickslip_sym.core.functions import elementary
 from stickslip_sym.model.expression.canonical_form import HIGHEST_POWER_OF_SUM
 from stickslip_sym.model.terms import expand_above
 
-"""Whole numbers e up to which 2F1(p, e; e + 1; z) is written by its e powers of 1 - z."""
 _BOUND = sp.Dummy("xi", real=True)  # the variable of every integral in normal form
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import NO_RESULT, InputError
-from stickslip_sym.core.numbers import LARGEST
+from stickslip_sym.core.numbers import LARGEST, ROUNDING
 from stickslip_sym.core.progress import report_counts_to, steps
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
@@ -37,7 +37,6 @@ from stickslip_sym.motion.maps.results_over_axes import (
 from stickslip_sym.motion.margins.critical import critical
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.damping import DAMPING_RTOL, OF_ORBITS, needed_damping
-from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.regimes.regime import Regime, kept_regime
 from stickslip_sym.numerics.known import Column, Unknown
 from stickslip_sym.numerics.resolved import NO_VALUE, NODES, Piece, Resolved, Turn, fit_polynomial, nodes

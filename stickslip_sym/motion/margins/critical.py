@@ -26,7 +26,7 @@ from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray
 from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged
 from stickslip_sym.core.names import lookup
-from stickslip_sym.core.numbers import SAME, read_array, read_rtol, real
+from stickslip_sym.core.numbers import ROUNDING, SAME, read_array, read_rtol, real
 from stickslip_sym.core.quantity import QuantityResult
 from stickslip_sym.core.remedies import Argument
 from stickslip_sym.core.units import si_number
@@ -37,7 +37,7 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.kernel.slip_data import TIGHT, SlipEnd
 from stickslip_sym.motion.orbits.damping import quick_speeds
-from stickslip_sym.motion.orbits.needed import ROUNDING, SIGNS, STRONG, orbit_damping_ratio, velocity_mismatch_at
+from stickslip_sym.motion.orbits.needed import SIGNS, STRONG, orbit_damping_ratio, velocity_mismatch_at
 from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.motion.thresholds.averages import fast_average, resolved_gauss_average
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, transit

@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 from stickslip_sym.core.aliases import BoolArray, FloatArray
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NotConverged
-from stickslip_sym.core.numbers import LEAST_RTOL
+from stickslip_sym.core.numbers import LEAST_RTOL, ROUNDING
 from stickslip_sym.core.remedies import Call
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
@@ -28,7 +28,6 @@ from stickslip_sym.model.table import FrictionTable, Rise
 from stickslip_sym.motion.compiled import is_ready
 from stickslip_sym.motion.kernel.slip_data import PRECISE, TIGHT
 from stickslip_sym.motion.orbits.needed import (
-    ROUNDING,
     SearchEnd,
     damping_ratios,
     orbit_damping_ratio,

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip_sym.core.aliases import BoolArray, ComplexArray, FloatArray
+from stickslip_sym.core.numbers import ROUNDING
 from stickslip_sym.model.bound import BoundLaw
-from stickslip_sym.motion.orbits.needed import ROUNDING
 
 _FEWEST_PHASES, _MOST_PHASES = 32, 1024  # in half a period: twice as many each time
 

@@ -40,6 +40,7 @@ import numpy as np
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
+from stickslip_sym.core.numbers import ROUNDING
 from stickslip_sym.model.table import Rise
 from stickslip_sym.motion.compiled import compilable, is_compiling, is_ready
 from stickslip_sym.motion.kernel.follow import follow
@@ -63,8 +64,6 @@ SIGNS = 1e-11
 """The relative tolerance of the steps along which the sign of a mismatch is decided."""
 PARTED = 1e-7
 """The mismatch of an orbit beside which d jumps; where d is continuous it is that of rounding."""
-ROUNDING = 1e-14
-"""Relative, of a mismatch, a damping and an amplitude; of the terms of w' over their sum."""
 STRONG = 30.0
 """Eta, from which halves are stiff."""
 _LOOSEST_SIGN_RTOL = 1e-5  # tolerance of steps that show the sign of a mismatch far from 0, the loosest

@@ -30,7 +30,7 @@ from stickslip_sym.criteria.rule import gauss_average
 from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.motion.orbits.expansion import damping_of_layer, fourier_coefficients, values
 
-_FEWEST_POINTS, _MOST_POINTS = 32, 192  # a period: twice as many each time; more take longer than a simulation
+_COARSEST_GRID, _FINEST_GRID = 32, 192  # a period: twice as many each time; more take longer than a simulation
 _MOST_NEWTON_STEPS = 10  # of Newton's method
 _LAST_NEWTON_STEP = math.sqrt(EPSILON)  # after which the next would be rounding
 _GRID_RATIO = 8  # times, the grid on which the lowest velocity is sought
@@ -92,9 +92,9 @@ def _solved(orbit: "_Orbit", rtol: float, added: Sequence[BoundLaw]) -> list[flo
         longest = 1.0  # a step as long as the orbit is high leads nowhere, but for the first
         d = orbit.d
         scale = max(float(np.abs(g).max()), abs(orbit.harmonic))
-        error = scale * (tail + _ROUNDING_OF_DAMPING * len(g) / _FEWEST_POINTS)
+        error = scale * (tail + _ROUNDING_OF_DAMPING * len(g) / _COARSEST_GRID)
         enough = rtol * abs(d)
-        finest = len(g) == _MOST_POINTS or tail <= _ROUNDING_OF_DAMPING
+        finest = len(g) == _FINEST_GRID or tail <= _ROUNDING_OF_DAMPING
         gains = change < 0.1 * before
         before = change
         if change > _LAST_NEWTON_STEP and (finest or error <= enough or (change > tail and gains)):
@@ -106,7 +106,7 @@ def _solved(orbit: "_Orbit", rtol: float, added: Sequence[BoundLaw]) -> list[flo
             velocity = orbit.velocity
             changes = orbit.changes(added) if added else ()
             return [d, relative, float(orbit.g(velocity).mean()) - d, orbit.lowest, *changes]
-        orbit = orbit.on(min(2 * len(g), _MOST_POINTS))
+        orbit = orbit.on(min(2 * len(g), _FINEST_GRID))
         before = math.inf
     return [np.nan, np.inf, np.nan, np.nan] + [np.nan] * len(added)
 
@@ -147,10 +147,10 @@ class _Orbit:
     @classmethod
     def start(cls, law: BoundLaw, V: float, strength: float, A: float, harmonic: float) -> "_Orbit":
         """Return the harmonic motion on the coarsest grid that misses nothing of the law, or on the finest."""
-        size = _FEWEST_POINTS
+        size = _COARSEST_GRID
         orbit = cls(law, V, strength, A, harmonic, np.array([0, A / 2 + 0j]), harmonic).on(size)
-        while size < _MOST_POINTS and not orbit.sees():
-            size = min(2 * size, _MOST_POINTS)
+        while size < _FINEST_GRID and not orbit.sees():
+            size = min(2 * size, _FINEST_GRID)
             orbit = orbit.on(size)
         return orbit
 

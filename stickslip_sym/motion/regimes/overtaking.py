@@ -45,6 +45,7 @@ _SHARE_OF_FIRST_ROUND = 0.9  # of R(0): all rounds grow up to there
 _DISPLACEMENTS_LOOKED_AT = 24
 """Displacements, from the nearest to the farthest, at which it is asked whether rounds come in at once."""
 _SINK_RATIO = 1e3  # to less than a thousandth, so that R is as good as constant there
+_SAME_PERIOD = 1e-6  # relative, periods of such a cycle by steps of two tolerances, or it is not known
 _LOST = Unknown("a round takes too many steps")
 
 _POWERS = np.arange(TABLE_DEGREE + 1)
@@ -250,7 +251,7 @@ def _sink(system: NondimensionalOscillator, first: float, far: float, rtol: floa
         return float(system.slips(np.zeros(1), np.zeros(1), passes=1, rtol=rtol, few=0).tau.item())
 
     by_steps = period(rtol)
-    known = abs(by_steps - period(max(rtol / 10, PRECISE))) <= ADDED * rtol * by_steps
+    known = abs(by_steps - period(max(rtol / 10, PRECISE))) <= _SAME_PERIOD * by_steps
     kind: Kind = "cycle" if known else "open"
     return Rounds((FixedPoint(0.0, low / _SINK_RATIO, kind),), (1, -1)), low
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.aliases import FloatArray, ObjectArray
-from stickslip_sym.core.numbers import read_rtol
+from stickslip_sym.core.numbers import ROUNDING, read_rtol
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
@@ -28,7 +28,6 @@ from stickslip_sym.motion.kernel.slip_data import ADDED, TIGHT, SlipEnd
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles
 from stickslip_sym.motion.orbits.damping import NEAREST, needed_damping
-from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS
 from stickslip_sym.motion.regimes.overtaking import FixedPoint, Rounds, rounds_outside
 from stickslip_sym.motion.regimes.separatrix import Separatrix, interpolated

@@ -13,6 +13,7 @@ import numpy as np
 
 from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.errors import NotConverged
+from stickslip_sym.core.numbers import ROUNDING
 from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.expression.pieces import places, rate
 from stickslip_sym.model.law import FrictionLaw
@@ -20,13 +21,14 @@ from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import Pieces
 from stickslip_sym.motion.kernel.slip_data import ADDED, PRECISE, TIGHT, SlipEnd, Wedge
 from stickslip_sym.motion.orbits.damping import DAMPING_RTOL, STEP_ERRORS
-from stickslip_sym.motion.orbits.needed import PARTED, ROUNDING, orbit_damping_ratio, velocity_mismatch_at
+from stickslip_sym.motion.orbits.needed import PARTED, orbit_damping_ratio, velocity_mismatch_at
 from stickslip_sym.motion.slip import SAME_AMPLITUDE, NondimensionalOscillator
 from stickslip_sym.numerics.resolved import ERRORS_OF_CLEAR_SIGN
 
 _TABULATED_OVER_HIGHEST = 1.5
 """Times the highest slip speed, up to which a derivative of the law is tabulated: steps try further."""
 _OF_SPRING = 0.1  # friction may be far weaker than the spring, whose share of these errors is that
+_NO_FRICTION = 1e-7  # eta below which the changes of a mismatch may be nothing but rounding
 _MOST_FATE_STEPS = 2000  # of such a slip: the search for a threshold takes about as many
 
 
@@ -123,7 +125,7 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
         ),
         "N": Wedge(excess * friction, 0.0, -friction, rise.pieces, still),
     }
-    if 0.0 < abs(osc.N * derivative(sources["N"])) < ROUNDING:
+    if eta < _NO_FRICTION and 0.0 < abs(osc.N * derivative(sources["N"])) < ROUNDING:
         raise NotConverged(
             f"how the threshold changes is not known at eta = {eta:g} and V = {V:g} m/s: friction is so weak that "
             "its changes are lost in rounding; try an average of the slope"

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray, ObjectArray
 from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged, NoThreshold, OutOfTime, StickSlipError
 from stickslip_sym.core.names import lookup
+from stickslip_sym.core.numbers import ROUNDING
 from stickslip_sym.core.progress import steps
 from stickslip_sym.core.remedies import Argument, Name
 from stickslip_sym.criteria import criterion as criteria
@@ -25,7 +26,6 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.motion.kernel.slip_data import TIGHT
 from stickslip_sym.motion.orbits.damping import DAMPING_RTOL
 from stickslip_sym.motion.orbits.expansion import damping_of_layer, expand, expansion_changes
-from stickslip_sym.motion.orbits.needed import ROUNDING
 from stickslip_sym.motion.orbits.orbit import orbits
 from stickslip_sym.motion.thresholds.averages import average_changes, fast_average
 from stickslip_sym.motion.thresholds.grazing import grazing_damping, grazing_sensitivity
