@@ -25,14 +25,13 @@ from scipy.linalg.lapack import dgesv
 
 from stickslip_sym.core.aliases import ComplexArray, FloatArray
 from stickslip_sym.core.deadline import check_time
-from stickslip_sym.core.numbers import EPSILON
+from stickslip_sym.core.numbers import EPSILON, ROOT_OF_ROUNDING
 from stickslip_sym.criteria.rule import gauss_average
 from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.motion.orbits.expansion import damping_of_layer, fourier_coefficients, values
 
 _COARSEST_GRID, _FINEST_GRID = 32, 192  # a period: twice as many each time; more take longer than a simulation
 _MOST_NEWTON_STEPS = 10  # of Newton's method
-_LAST_NEWTON_STEP = math.sqrt(EPSILON)  # after which the next would be rounding
 _GRID_RATIO = 8  # times, the grid on which the lowest velocity is sought
 _ROUNDING_OF_DAMPING = 16 * EPSILON  # of d, as a part of the largest slope
 
@@ -97,7 +96,7 @@ def _solved(orbit: "_Orbit", rtol: float, added: Sequence[BoundLaw]) -> list[flo
         finest = len(g) == _FINEST_GRID or tail <= _ROUNDING_OF_DAMPING
         gains = change < 0.1 * before
         before = change
-        if change > _LAST_NEWTON_STEP and (finest or error <= enough or (change > tail and gains)):
+        if change > ROOT_OF_ROUNDING and (finest or error <= enough or (change > tail and gains)):
             continue  # until the grid sets the error, which shows in steps that gain less than a digit too
         if finest or error <= enough:
             error += orbit.unseen()
