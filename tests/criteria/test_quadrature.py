@@ -88,7 +88,7 @@ def test_refusals():
 
 
 def test_too_irregular_an_integrand_is_an_error(monkeypatch):
-    monkeypatch.setattr(ss.quadrature, "_MOST_PANELS", 2)
+    monkeypatch.setattr(ss.quadrature, "MOST_INTERVALS", 2)
     with pytest.raises(ss.NotConverged, match="did not reach"):
         ss.quadrature.damping(ss.FrictionLaw("sin(1000000*v)*exp(-v)"), V=1000, N=1, digits=15)
 

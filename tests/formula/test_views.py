@@ -3,6 +3,7 @@
 import random
 import time
 from dataclasses import replace
+from types import SimpleNamespace
 
 import mpmath
 import numpy as np
@@ -12,6 +13,7 @@ import sympy as sp
 import stickslip_sym as ss
 from stickslip_sym.core import deadline, symbols
 from stickslip_sym.formula.average import Average, average_of_profile
+from stickslip_sym.formula.closed_form import ClosedForm
 from stickslip_sym.output.content import content
 from support.sweeps import sample, sweep
 
@@ -174,3 +176,11 @@ def test_roots_that_are_printed_alike_are_two():
 )
 def test_a_formula_with_decimals_has_no_tenths_beside_them(law, text):
     assert ss.FrictionLaw(law).text == text
+
+
+@pytest.mark.parametrize(("shares", "operations", "apart"), [(3, 100, False), (4, 60, False), (4, 61, True)])
+def test_shares_stay_apart_where_they_are_many_and_their_sum_is_long(shares, operations, apart):
+    long = sp.Add(*sp.symbols(f"a:{operations + 1}"))
+    form = SimpleNamespace(_shares=[None] * shares, _sum=long)
+    assert long.count_ops() == operations
+    assert ClosedForm._is_long.func(form) == apart
