@@ -160,7 +160,7 @@ def test_two_cycles_as_close_as_a_thousandth():
 def test_what_is_not_resolved_is_named(monkeypatch):
     """With too few orbits; not where a motion goes through all amplitudes, so that no cycle is there."""
     law = WAVY.bind(w=55.3)
-    monkeypatch.setattr("stickslip_sym.motion.orbits.damping._MOST_ORBITS", 16)
+    monkeypatch.setattr("stickslip_sym.motion.orbits.damping.MOST_ORBITS", 16)
     with pytest.raises(ss.NotConverged, match=r"amplitudes from 0\.0004468 to 0\.4468 m/s are not resolved"):
         ss.limit_cycles(law, WAVY_POINT)
     assert ss.limit_cycles(law, replace(WAVY_POINT, c=10.0)) == ()
