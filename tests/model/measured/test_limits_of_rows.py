@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.special import ndtr
 
 import stickslip_sym as ss
 from stickslip_sym.comparison.decision import Decision
@@ -13,6 +14,7 @@ from stickslip_sym.model.fitting.averaged import Averaged, ByLaw
 from stickslip_sym.model.fitting.lack_of_fit import chance_of_residuals, polynomials_of_rank
 from stickslip_sym.model.fitting.least_squares import Problem
 from stickslip_sym.model.fitting.result import Fit
+from stickslip_sym.model.measured import heavy_tails, sweep_branches
 from stickslip_sym.model.measured.blocks import varying
 from stickslip_sym.model.measured.columns import HeaderColumn
 from stickslip_sym.model.measured.heavy_tails import have_heavy_tails
@@ -160,6 +162,44 @@ def test_a_dwell_at_a_turn_is_halved():
         found = branches_of(np.tile(v, 4), np.tile(0.3 - 0.1 * v, 4))
         swept = found.sweep[np.argsort(np.argsort(np.tile(v, 4), kind="stable"))]
         assert (swept[: len(v)].tolist().count(1) > 11) == dwells
+
+
+@pytest.mark.parametrize(("swept", "is_sweep"), [(0.55, False), (0.95, True)])
+def test_most_rows_are_on_branches_where_speeds_were_swept(swept, is_sweep):
+    rng = np.random.default_rng(7)
+    sweeps = np.tile(np.concatenate([np.linspace(0, 1, 30), np.linspace(1, 0, 30)]), 5)
+    mixed = rng.uniform(0, 1, round(len(sweeps) * (1 / swept - 1)))
+    assert bool(sweep_branches._sweeps(np.concatenate([sweeps, mixed]))[1]) == is_sweep
+
+
+@pytest.mark.parametrize(("share", "is_said"), [(0.025, False), (0.1, True)])
+def test_a_few_rows_of_one_branch_do_not_matter(share, is_said):
+    v = np.linspace(0, 1, 200)
+    sweep = np.where(np.arange(200) % 2, 1, -1)
+    sweep[: round(200 * share)] = 1
+    assert bool(sweep_branches._alone(v, sweep)) == is_said
+
+
+@pytest.mark.parametrize(("count", "is_told"), [(6000, False), (20_000, True)])
+def test_many_rows_are_told_by_some_thousands(count, is_told):
+    """Fewer are looked at one by one."""
+    v = np.random.default_rng(1).uniform(0, 1, count)
+    assert sweep_branches._is_shuffled(v) == is_told
+
+
+def test_a_smooth_curve_has_a_column_for_some_rows():
+    columns = [sweep_branches.splines(np.linspace(0, 1, count)).shape[1] for count in (3, 60, 10_000)]
+    assert columns[0] == 4, "a cubic"
+    assert 3 < 60 / columns[1] < 12
+    assert 15 < columns[2] < 60
+
+
+def test_noise_that_is_normal_after_all_keeps_its_efficiency():
+    """P. J. Huber 1964: 95 % of that of least squares."""
+    k = heavy_tails._HUBER
+    inside = 2 * ndtr(k) - 1
+    square = inside - 2 * k * np.exp(-(k**2) / 2) / np.sqrt(2 * np.pi) + k**2 * (1 - inside)
+    assert inside**2 / square == pytest.approx(0.95, abs=1e-3)
 
 
 def averaged(values, weights, speeds):
