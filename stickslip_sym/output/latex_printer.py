@@ -378,4 +378,4 @@ def latex(expr: Expr | Condition, names: Notation | None = None, *, inline: bool
 
 def latex_value(number: Expr) -> str:
     """Return the value of a letter in a line of text: a number that has a decimal as that, 1/10 as 0.1."""
-    return (decimal(number, least=2) if number.is_Rational else "") or latex(number, inline=True)
+    return (decimal(number, least=0) if number.is_Rational else "") or latex(number, inline=True)

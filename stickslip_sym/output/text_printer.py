@@ -16,7 +16,6 @@ from stickslip_sym.core.aliases import Condition, Expr
 from stickslip_sym.core.functions import elementary
 
 _LEAST_DENOMINATOR = 100  # least denominator of a decimal; a smaller one is read at a glance
-_AMONG_DECIMALS = 5  # the same in a formula that has decimals: 0.4 beside 0.07, and 1/3
 _LEAST_COMPUTED_DENOMINATOR = 2**20  # least denominator of a binary number that was computed, not written
 _LONGEST_DECIMAL = 24  # characters
 
@@ -106,7 +105,7 @@ def decimal(number: Expr, *, shortest: bool = False, least: int = _LEAST_DENOMIN
 
 def value(number: Expr) -> str:
     """Return the value of a letter as it was written: a number that has a decimal as that, 1/10 as 0.1."""
-    return (decimal(number, least=2) if number.is_Rational else "") or text(number)
+    return (decimal(number, least=0) if number.is_Rational else "") or text(number)
 
 
 def is_decimal(number: Expr) -> bool:
@@ -140,5 +139,5 @@ def text(expr: Expr | Condition) -> str:
     if isinstance(expr, sp.core.relational.Relational):
         return f"{text(expr.lhs)} {expr.rel_op.replace('==', '=')} {text(expr.rhs)}"
     has_decimals = any(map(is_decimal, expr.atoms(sp.Rational)))
-    least = _AMONG_DECIMALS if has_decimals else _LEAST_DENOMINATOR
+    least = 0 if has_decimals else _LEAST_DENOMINATOR  # 0.4 beside 0.07, and 1/3
     return str(_Text(spellings(expr), least).doprint(elementary(expr)))  # type: ignore[type-var]  # one or the other

@@ -12,7 +12,7 @@ import sympy as sp
 
 import stickslip_sym as ss
 from stickslip_sym import symbols
-from stickslip_sym.output import layout, printing
+from stickslip_sym.output import latex_printer, layout, printing, text_printer
 from stickslip_sym.output.notation import latex_name, notation_of
 from support import latex_reader
 from support.closed_forms import agrees, form_of
@@ -81,6 +81,35 @@ def test_conventions(expr, latex):
 )
 def test_conventions_of_text(expr, text):
     assert printing.text(expr) == text
+
+
+@pytest.mark.parametrize(
+    ("number", "text"),
+    [
+        ((7, 40), "7/40"), ((3, 200), "0.015"),  # read at a glance, or a decimal
+        ((123456789, 10**18), "0.000000000123456789"), ((7, 10**28), f"7/1{28 * '0'}"),  # and no long one
+    ],
+)  # fmt: skip
+def test_fractions_that_are_short_decimals_are_decimals(number, text):
+    assert printing.text(sp.Rational(*number)) == text
+
+
+def test_a_computed_number_is_its_shortest_decimal():
+    """A power of 2 below as many as half a million may have been written."""
+    for power, is_decimal in ((19, False), (21, True)):
+        assert bool(text_printer.decimal(sp.Rational(3, 2**power), shortest=True)) == is_decimal
+
+
+@pytest.mark.parametrize(("letters", "is_on_fraction"), [(8, True), (20, False)])
+def test_a_short_sum_stands_on_a_fraction(letters, is_on_fraction):
+    one, other = sp.symbols([f"mu_{letter * letters}" for letter in "ab"], positive=True)
+    shown = printing.latex(V * (one + other) / N)
+    assert (shown == rf"\frac{{V}}{{N}} ({printing.latex(one + other)})") != is_on_fraction
+
+
+@pytest.mark.parametrize(("letters", "is_one_pair"), [(24, True), (90, False)])
+def test_long_brackets_may_be_parted(letters, is_one_pair):
+    assert (r"\left" in latex_printer.bracketed(rf"\frac{{{'a' * letters}}}{{b}}")) == is_one_pair
 
 
 def test_notation_may_be_replaced():
