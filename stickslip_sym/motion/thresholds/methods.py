@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from stickslip_sym.motion.thresholds.theorem import Theorem
 
 _THRESHOLDS_TO_COMPILE = 200  # simulated thresholds, for which loading the compiled code is no loss
-_PHASES = 64  # of half a period
+_PHASES, _COLLOCATION_TAIL = 64, 3e-5  # of half a period, and the tail that the law may have there for collocation
 _FALLS = 30.0  # by so much the tail is smaller on the finest grid of collocation, where it has to be within rtol
 _RELATIVE_KINK_DISTANCE = 1e-6  # of V: an orbit that comes so close to a kink is taken to pass it
 
@@ -384,7 +384,7 @@ def _expansion_changes(points: OperatingPoints) -> dict[str, FloatArray]:
 def _orbit_cost(points: OperatingPoints, rtol: float) -> FloatArray:
     """Return less than a simulation for a law that few phases resolve: too strong a friction shows at once."""
     tail = expand(points.bound, points.V, fewest=_PHASES, most=_PHASES).tail
-    return np.where(tail <= _FALLS * rtol, 2.0, 10.0)
+    return np.where(tail <= min(_COLLOCATION_TAIL, _FALLS * rtol), 2.0, 10.0)
 
 
 def _damping_by_orbit(points: OperatingPoints, rtol: float) -> Computed:
