@@ -74,6 +74,7 @@ _POLE = 1 / math.sqrt(LEAST_RTOL)  # a coefficient on the narrowest interval as 
 _TRANSITION_WIDTHS = 2.0  # widths of a transition, and distances from it, an interval is wide at most
 _NARROW_OVER_SPEED = 0.125  # times its own speed: an octave halved that often may hide from a grid of phases
 _LEAP = 1 / 32  # times its own speed: the stages of the longest steps meet whatever is wider
+_GRADUAL_WIDTH = 0.05  # over V, of each piece of the table of a law that varies gradually
 STEEPER = 4.0  # times the steepest slope of a polynomial: balls are larger than what they hold
 AT_ONCE = SAME**2
 """Times V: slip comes to that speed within 1e-12/omega, in which nothing happens."""
@@ -103,12 +104,14 @@ class Rise(NamedTuple):
       a segment is smooth, and ends too where pieces become much narrower, or wider again.
     - `firsts`: number of the first interval of each segment, and after the last how many intervals there are.
     - `jumps`: by how much mu rises at the beginning of each segment; 0 at a kink without jump.
+    - `gradual`: whether there is one segment, without a piece so narrow that long steps may miss what it holds.
     """
 
     pieces: Pieces
     levels: list[float] | FloatArray
     firsts: list[int] | FloatArray
     jumps: list[float] | FloatArray
+    gradual: bool
 
 
 class Smooth(NamedTuple):
@@ -255,9 +258,10 @@ class FrictionTable:
         levels = np.append(self.pieces[firsts[:-1], 0], self.end) / V
         jumps = np.zeros(len(firsts) - 1)
         jumps[np.searchsorted(firsts, self.firsts[:-1])] = self.jumps
+        gradual = len(jumps) == 1 and bool((np.diff(pieces[:, 0]) >= _GRADUAL_WIDTH).all())
         if arrays:
-            return Rise(pieces, levels, firsts, jumps)
-        return Rise(list(map(tuple, pieces.tolist())), levels.tolist(), firsts.tolist(), jumps.tolist())
+            return Rise(pieces, levels, firsts, jumps, gradual)
+        return Rise(list(map(tuple, pieces.tolist())), levels.tolist(), firsts.tolist(), jumps.tolist(), gradual)
 
     @property
     def _landings(self) -> IntArray:

@@ -20,6 +20,7 @@ from stickslip_sym.motion.kernel.follow import follow
 from stickslip_sym.motion.kernel.forces import entered, rate_at
 from stickslip_sym.motion.kernel.slip_data import (
     ADDED,
+    LONGEST_STEP,
     MOST_STEPS,
     TIGHT,
     Branch,
@@ -94,7 +95,7 @@ def _follow_all(rise: Rise, columns: Any, rtol: float, until: int, level: float,
     for i in range(len(q)):
         field = Field(eta[i], push[i], side[i], damping[i])
         begin = SlipState(0.0, q[i], w[i], side[i], 0.0, 0.0)
-        stop = Stop(until, level, horizon[i], int(most[i]), int(passes[i]))
+        stop = Stop(until, level, horizon[i], int(most[i]), int(passes[i]), LONGEST_STEP)
         run = follow(rise, field, hold[i], begin, stop, wedge, rtol, False)
         rows[i, 0] = run.end.value
         rows[i, 1], rows[i, 2], rows[i, 3], rows[i, 4], rows[i, 5], rows[i, 6] = run.state
@@ -248,7 +249,7 @@ class NondimensionalOscillator:
 
         Raises, without `most`, what `refusal` returns.
         """
-        limits = horizon, MOST_STEPS if most is None else most, passes
+        limits = horizon, MOST_STEPS if most is None else most, passes, LONGEST_STEP
         source, D = (no_wedge(self.rise), 0.0) if wedge is None else wedge
         run = follow(
             self.rise, self.field(float(side)), 2 * self.eta * self.table.static,

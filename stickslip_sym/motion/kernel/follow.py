@@ -17,6 +17,7 @@ from stickslip_sym.motion.kernel.forces import (
     standing,
 )
 from stickslip_sym.motion.kernel.slip_data import (
+    ACCURATE_STEP,
     PRECISE,
     ULP,
     Branch,
@@ -33,7 +34,6 @@ from stickslip_sym.motion.kernel.slip_data import (
 )
 from stickslip_sym.motion.kernel.steps import AMPLIFIED, stepped
 
-_LONGEST_EXPLICIT_STEP = 0.25  # explicit; at twice that what a step is off shows in thresholds
 _PAST = 2.0  # times the way to the end of a segment: its polynomials are of no use far beyond
 _STIFF_DECAY = 10.0  # a decay of w, per unit of time, below which explicit steps are cheap enough
 _STABLE = 2.5  # decay times a step, from which stability holds it short: the explicit method bears about 6
@@ -70,7 +70,7 @@ def follow(
         return Run(SlipEnd.OUTSIDE, begin, Extent(taken, passed, q, q, u, u), steps)
     segment, rising, state = _begun(rise, field, begin)
     branch = entered(rise, segment, True, state.w)
-    pace = _first_pace(field, state, rtol)
+    pace = _first_pace(field, state, stop.longest, rtol)
     at_kink = not rising and segment > 0 and state.w == rise.levels[segment]  # it leaves downward
     close = _REST_WIDTH + _REST_WITHIN * rtol
     end = SlipEnd.OPEN
@@ -96,10 +96,10 @@ def follow(
         if end != SlipEnd.OPEN:
             break
         border = rise.levels[segment + 1] if rising else rise.levels[segment]
-        longest = stop.horizon - state.tau
-        if _PAST * abs(border - state.w) < longest * abs(state.rate):
-            longest = _PAST * abs(border - state.w) / abs(state.rate)
-        trial, pace = _advance(branch, field, state, pace, longest, rtol, wedge)
+        most = stop.horizon - state.tau
+        if _PAST * abs(border - state.w) < most * abs(state.rate):
+            most = _PAST * abs(border - state.w) / abs(state.rate)
+        trial, pace = _advance(branch, field, state, pace, most, stop.longest, rtol, wedge)
         shortest = _SHORTEST * max(state.tau, 1.0)
         if pace.again:
             end = SlipEnd.FAILED if trial.length <= shortest else SlipEnd.OPEN
@@ -168,10 +168,10 @@ def _begun(rise: Rise, field: Field, begin: SlipState) -> tuple[int, bool, SlipS
 
 
 @compilable
-def _first_pace(field: Field, state: SlipState, rtol: float) -> Pace:
+def _first_pace(field: Field, state: SlipState, longest: float, rtol: float) -> Pace:
     """Return the pace of a slip that begins."""
     fastest = max(1.0, max(abs(1.0 - field.side * state.w), abs(state.rate)))
-    length = min(3.0 * rtol**0.125 / fastest, _LONGEST_EXPLICIT_STEP)
+    length = min(ACCURATE_STEP * rtol**0.125 / fastest, longest)
     return Pace(False, 0, length, 0.0, length, False)
 
 
@@ -190,9 +190,12 @@ def _interruption(tau: float, taken: int, stop: Stop) -> SlipEnd:
 
 @inlined
 def _advance(
-    branch: Branch, field: Field, state: SlipState, pace: Pace, longest: float, rtol: float, wedge: Wedge
-) -> tuple[Trial, Pace]:
+    branch: Branch, field: Field, state: SlipState, pace: Pace, most: float, longest: float, rtol: float,
+    wedge: Wedge,
+) -> tuple[Trial, Pace]:  # fmt: skip
     """Try a step of the kind and the length that the steps before it say, and return it with the pace after it.
+
+    - `most`: its length at most; `longest`: that of an explicit one.
 
     The step is implicit where stability holds explicit ones short. One that is taken again is held short by
     accuracy, as where mu is singular.
@@ -208,9 +211,9 @@ def _advance(
         elif not implicit:
             held = held + 1 if decay > _STIFF_DECAY and decay * tried > _STABLE else 0
             implicit = held >= _STEPS_HELD_SHORT
-    h = min(length, longest)
+    h = min(length, most)
     if not implicit:
-        h = min(h, _LONGEST_EXPLICIT_STEP)
+        h = min(h, longest)
     trial = stepped(implicit, branch, field, state, h, rtol, wedge)
     error = trial.error
     again = not error < 1.0

@@ -95,6 +95,7 @@ class Stop(NamedTuple):
     - `horizon`: tau at which to stop.
     - `most`: how many steps it may take.
     - `passes`: how often the mass may pass the belt's speed.
+    - `longest`: the length of an explicit step, at most.
     """
 
     until: int
@@ -102,6 +103,7 @@ class Stop(NamedTuple):
     horizon: float
     most: int
     passes: int
+    longest: float
 
 
 class Extent(NamedTuple):
@@ -183,4 +185,8 @@ ADDED = 100
 """Errors of a step that may add up along an orbit: within so many tolerances two states are one."""
 MOST_STEPS = 60_000
 """Of a slip; the longest that end take some hundred."""
+LONGEST_STEP = 0.25
+"""Explicit: its stages meet whatever a table does not part; at twice that what it is off shows in thresholds."""
+ACCURATE_STEP = 3.0
+"""Times rtol^(1/8): the length of a step at which errors are of the size of the tolerance."""
 ULP = 2.0**-52

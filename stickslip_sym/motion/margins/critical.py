@@ -11,12 +11,13 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache, partial
-from itertools import compress, pairwise
+from itertools import compress, groupby, pairwise
 from operator import not_
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
@@ -292,12 +293,7 @@ def excess(points: OperatingPoints, c: float, method: Method | None) -> float | 
     deadline.check_time()
     try:
         if method is not None and method.criterion is not None:
-            law = points.law
-            weighted = method.criterion, points.V
-            mean = float(resolved_gauss_average(law.kinetic, *weighted)[0])
-            if math.isnan(mean):  # a slope overflows, as with huge exponents
-                mean = float(fast_average(law, *weighted)[0])
-            return _known_number(float(points.N[0]) * mean - c)
+            return _known_number(float(_damping_of_average(points, method.criterion)[0]) - c)
         if method is not None and not method.converges:
             return _known_number(float(evaluate(points, method, SIGNS)[0].value[0]) - c)
         system = NondimensionalOscillator.of(points.bound, points.oscillator(0, c))
@@ -312,6 +308,16 @@ def excess(points: OperatingPoints, c: float, method: Method | None) -> float | 
     if is_sure:
         return min(max(float(mismatch.value), -1.0), 1.0)
     return 0.0
+
+
+def _damping_of_average(points: OperatingPoints, criterion: Criterion) -> FloatArray:
+    """Return the thresholds that an average gives."""
+    value = points.N * resolved_gauss_average(points.law.kinetic, criterion, points.V)
+    lost = np.isnan(value)  # as where a slope overflows, with huge exponents
+    if lost.any():
+        some = points.rows(lost)
+        value[lost] = some.N * fast_average(some.law, criterion, some.V)
+    return value
 
 
 def _known_number(value: float) -> float | Unknown:
@@ -345,12 +351,10 @@ class _QuickSpeeds(NamedTuple):
 
     def distance(self, side: int, i: int) -> float:
         """Return the logarithm of one of them over what it is compared with; 1 where there are fewer."""
-        ratio = math.e
-        if i < len(self.speeds):
-            ratio = self.speeds[i] / self.reached[side]
-        if ratio > 0:
-            return math.log(ratio)
-        return -1.0
+        if i >= len(self.speeds):
+            return 1.0
+        ratio = self.speeds[i] / self.reached[side]
+        return math.log(ratio) if ratio > 0 else -1.0
 
 
 class _Scale(NamedTuple):
@@ -415,8 +419,8 @@ class _Search:
         self.is_quantity = of in symbols.QUANTITIES
         self.unit = symbols.QUANTITIES[of].unit if self.is_quantity else law.parameters[of].unit
         self.converges = self.criterion is None and (self.method is None or self.method.converges)
+        self.ratios = dict[float, tuple[float, float]]()
         self.work = 0  # thresholds by slips so far
-        self.quick = dict[float, _QuickSpeeds]()
         self.sampled = dict[float, tuple[float, float]]()
         self.sketched = dict[float, tuple[float, float]]()
 
@@ -427,35 +431,54 @@ class _Search:
         return OperatingPoints.of(self.law.bind(**{self.of: x}), **self.quantities)
 
     @cached_property
-    def amplitude(self) -> Expr | None:
-        """The factor of mu' that holds the parameter that is sought; None if that is part of more.
+    def similarity(self) -> tuple[Expr, Expr] | None:
+        """The factors of the slip speed and of mu' that hold the parameter that is sought; None if more holds it.
 
-        Slip depends on mu only by how it changes with speed: such a parameter acts as the normal force does.
+        Slip depends on mu only by how it changes with speed: such a parameter acts as the belt's speed and the
+        normal force do.
         """
-        if self.is_quantity or self.law.static is not None or not self.law.values.get(self.of):
+        if self.law.static is not None or not self.law.values.get(self.of):
             return None
-        _, factor = self.law.slope_expr.as_independent(self.law.parameters[self.of].symbol, as_Add=False)
-        is_usable = not factor.has(symbols.v) and self.law.number(factor)
-        return factor if is_usable else None
+        symbol = self.law.parameters[self.of].symbol
+        for speed in (sp.S.One, symbol, 1 / symbol):
+            slope = self.law.slope_expr.subs(symbols.v, symbols.v / speed)
+            _, factor = slope.as_independent(symbol, as_Add=False)
+            if not factor.has(symbols.v) and self.law.number(factor):
+                return speed, factor
+        return None
 
-    @cached_property
-    def is_idle(self) -> bool:
-        """Whether mu' does not hold the parameter that is sought: it only shifts mu, and moves no threshold."""
-        return self.amplitude is not None and not self.amplitude.has(self.law.parameters[self.of].symbol)
+    def _ratios(self, x: float) -> tuple[float, float]:
+        """Return by what a value multiplies the belt's speed and the normal force; 0 where that is not known."""
+        if self.similarity is None:
+            return 0.0, 0.0
+        if x not in self.ratios:
+            law = self.law.bind(**{self.of: x})
+            speed, force = (law.number(factor) / self.law.number(factor) for factor in self.similarity)
+            self.ratios[x] = speed, force
+        return self.ratios[x]
 
-    def _force(self, x: float) -> float:
-        """Return the normal force at which the law as it is has the thresholds of another amplitude; 0 if none."""
-        if self.amplitude is None:
-            return 0.0
-        factor = self.law.bind(**{self.of: x}).number(self.amplitude) / self.law.number(self.amplitude)
-        return max(float(self.quantities["N"]) * factor, 0.0)
+    def _kin(self, x: float) -> float:
+        """Return an infinity that all values have whose thresholds one law has; a value that has its own law."""
+        if self.is_quantity:
+            return math.inf
+        speed, force = self._ratios(x)
+        return math.copysign(math.inf, force) if speed > 0 and force else x
 
     def _alike(self, x: float | FloatArray) -> OperatingPoints:
-        """Return operating points with the thresholds of those for values of what is sought."""
-        forces = np.array([self._force(one) for one in np.ravel(x).tolist()])
-        if not forces.all():
+        """Return operating points of one law with the thresholds of those for a value, or values of one kin."""
+        if self.is_quantity:
             return self.at(x)
-        return OperatingPoints.of(self.law, **self.quantities | {"N": forces})
+        places = np.ravel(x).tolist()
+        if math.isfinite(self._kin(places[0])):
+            return self.at(places[0])
+        law = self.law
+        speed, force = np.transpose([self._ratios(place) for place in places])
+        if force[0] < 0:
+            like = np.abs(np.log(-force)).argmin()  # the law that is most like it but for the sign
+            law = law.bind(**{self.of: places[like]})
+            speed, force = speed / speed[like], force / force[like]
+        similar = {"V": self.quantities["V"] * speed, "N": self.quantities["N"] * force}
+        return OperatingPoints.of(law, **self.quantities | similar)
 
     @property
     def _usual(self) -> float:
@@ -493,43 +516,31 @@ class _Search:
         - `sketch`: whether a small part of their distance from c is a small enough error.
         """
         known = self.sketched if sketch else self.sampled
-        if self.is_idle:
-            x = np.full_like(x, self._usual)
-        new = sorted({place for place in x.tolist() if place not in known})
-        together = np.array([place for place in new if self.is_quantity or self._force(place)])
-        if together.size:
-            rows = zip(*self._thresholds(together, sketch), strict=True)
-            known |= dict(zip(together.tolist(), rows, strict=True))
-        for place in [place for place in new if place not in known]:
-            value, error = self._thresholds(place, sketch)
-            known[place] = float(value[0]), float(error[0])
+        new = set(x.tolist()) - known.keys()
+        for _, kin in groupby(sorted(new, key=self._kin), self._kin):
+            places = list(kin)
+            found = self._thresholds(np.array(places), sketch)
+            known.update(zip(places, zip(*found, strict=True), strict=True))
         columns = np.array([known[place] for place in x.tolist()]).reshape(-1, 2)
         return columns[:, 0], columns[:, 1]
 
     def _thresholds(self, x: float | FloatArray, sketch: bool) -> tuple[FloatArray, FloatArray]:
         deadline.check_time()
         none: FloatArray = np.full(np.size(x), np.nan)
-        value: FloatArray
-        error: FloatArray
         try:
             points = self._alike(x)
             if self.criterion is not None:
-                value = points.N * resolved_gauss_average(points.law.kinetic, self.criterion, points.V)
-                lost = np.isnan(value)  # as where a slope overflows, with huge exponents
-                if lost.any():
-                    some = points.rows(lost)
-                    value[lost] = some.N * fast_average(some.law, self.criterion, some.V)
-                return value, SAME * points.slope_scale
+                return _damping_of_average(points, self.criterion), SAME * points.slope_scale
             if self.method is not None and not self.method.converges:
                 value = evaluate(points, self.method, SIGNS)[0].value
                 return value, SAME * points.slope_scale
             value = none.copy()
             error = np.full(len(points), np.inf)
-            if sketch and len(points) > 1 and points.obstacle is None:
+            if sketch and points.obstacle is None:
                 computed, _ = evaluate(points, methods()["second_order"], _THRESHOLD_RTOL)
                 value = computed.value
                 error = computed.relative_error * points.error_base(computed.value)
-            far = ~(error <= (_DISTANT * np.abs(value - self.c) if sketch else 0.0))
+            far = ~(error <= _DISTANT * np.abs(value - self.c))
             rows = np.flatnonzero(far).tolist()
             for row in rows:
                 value[row], error[row] = self._by_slip(points, row, sketch, len(rows))
@@ -710,34 +721,26 @@ class _Search:
                     def off(u: float, side: int = side, i: int = i) -> float:
                         return self._quick(scale.value(u)).distance(side, i)
 
-                    if off(low) * off(high) < 0:
+                    if before.distance(side, i) * after.distance(side, i) < 0:
                         edges.add(float(brentq(off, low, high, xtol=_MEETS * max(abs(low), abs(high)))))
         return sorted(edges)
 
     def _quick(self, x: float) -> _QuickSpeeds:
         """Return near which slip speeds mu varies quickly, beside those of the orbit that grazes."""
-        if x not in self.quick:
-            none = _QuickSpeeds((), (1.0, 1.0))
-            try:
-                changes_law = not self.is_quantity and self.amplitude is None
-                points = self.at(x) if changes_law else None
-                law = self.law.bound if points is None else points.bound
-                V = self.quantities.get("V", math.inf)
-                if speeds := quick_speeds(law.table, V):
-                    points = points or self._alike(x)
-                    self.quick[x] = _QuickSpeeds(tuple(speeds), (self._highest(points), float(points.V[0])))
-                else:
-                    self.quick[x] = none
-            except NO_RESULT:
-                self.quick[x] = none
-        return self.quick[x]
+        with suppress(*NO_RESULT):
+            points = self._alike(x)
+            V = float(points.V[0])
+            law = self.law if math.isinf(self._kin(x)) else points.law
+            if speeds := quick_speeds(law.bound.table, math.inf if self.of == "V" else V):
+                return _QuickSpeeds(tuple(speeds), (self._highest(points), V))
+        return _QuickSpeeds((), (1.0, 1.0))
 
     def _highest(self, points: OperatingPoints) -> float:
         """Return the highest slip speed of the orbit that grazes, in m/s: twice the belt's for averages."""
         if not self.converges:
             return 2 * float(points.V[0])
         system = NondimensionalOscillator.of(points.bound, points.oscillator(0))
-        zeta, _ = orbit_damping_ratio(system, rtol=_THRESHOLD_RTOL, fast=self.work > _FEW_THRESHOLDS)
+        zeta, _ = orbit_damping_ratio(system, rtol=_THRESHOLD_RTOL)
         slip = replace(system, zeta=zeta).slip(0.0, 0.0, until=SlipEnd.MAXIMUM, rtol=TIGHT)
         return math.inf if slip.end is SlipEnd.OUTSIDE else system.V * slip.u_most
 
@@ -769,9 +772,6 @@ class _Search:
         # Every second part is the narrow one in which thresholds begin or end.
         there = [i % 4 == (2 if missing[0] else 0) for i in range(len(parts))]
         return [list(compress(parts, kind)) for kind in (there, map(not_, there))]
-
-    def _no_threshold(self, x: float) -> NoReturn:
-        raise NotConverged(f"there is no threshold at {self.of} = {x:.6g}; try another method")
 
     def _polynomial_roots(self, criterion: Criterion) -> list[float] | None:
         """Return the roots of an average that is a polynomial in what is sought, or None."""
@@ -826,7 +826,7 @@ class _Search:
         computed, names = evaluate(points, self.method, rtol)
         value = float(computed.value[0])
         if not names[0] or math.isnan(value):
-            self._no_threshold(x)
+            raise NotConverged(f"there is no threshold at {self.of} = {x:.6g}; try another method")
         method = self.method or methods()[names[0]]
         by = {"c": -1.0} | {name: float(change[0]) for name, change in method.sensitivity(points).items()}
         own = by.pop(self.of)

@@ -46,6 +46,8 @@ from stickslip_sym.motion.compiled import compilable, is_compiling, is_ready
 from stickslip_sym.motion.kernel.follow import follow
 from stickslip_sym.motion.kernel.forces import rise_at, standing
 from stickslip_sym.motion.kernel.slip_data import (
+    ACCURATE_STEP,
+    LONGEST_STEP,
     MOST_STEPS,
     PRECISE,
     TIGHT,
@@ -78,12 +80,9 @@ _LOOSER = 10.0  # times the tolerance, for the estimate of what the integration 
 _SECANT_RANGE = 100.0
 """Times the tolerance of steps, a mismatch from which a secant leads to its root within their errors."""
 _BENT = 0.01  # of a mismatch, that the last secant may be off
-_GRADUAL_WIDTH = 0.05  # over V, of each piece of the table of a law that varies gradually
 _ADDED_OF_GRADUAL = 50.0
 """Tolerances that errors of steps add up to along its orbits; in 25,000 of them at most 33."""
-_SHARE_OF_STEPS = 0.8  # of the error that is wanted; the rest is that of the secant
 _UNKNOWN_BEND = 2.0  # relative, by which the slope may be off before it was seen
-_BENT_BY_TWO = 0.2  # relative, by which the slope through two mismatches may be off, at least
 _FAR = 0.1  # mismatch from which its secant leads closer whatever the errors of loose steps
 _MOST_SECANTS = 8  # mismatches, before a search in a bracket begins anew
 _SLOW = 0.5  # of the mismatch before, above which the secant does not help
@@ -162,7 +161,10 @@ def _follow_half(
     rise: Rise, field: Field, begin: SlipState, until: int, level: float, wedge: Wedge, rtol: float
 ) -> tuple[HalfOutcome, SlipState]:
     """Follow a slip to its maximum, or to a level, however long that takes."""
-    stop = Stop(until, level, math.inf, MOST_STEPS, 0)
+    longest = LONGEST_STEP
+    if rise.gradual and abs(field.eta) <= STRONG:
+        longest = max(longest, ACCURATE_STEP * rtol**0.125)
+    stop = Stop(until, level, math.inf, MOST_STEPS, 0, longest)
     end, state, _, _ = follow(rise, field, 0.0, begin, stop, wedge, rtol, False)
     outcome = HalfOutcome.UNKNOWN
     if end == until:
@@ -295,7 +297,7 @@ def search_damping_ratio(rise: Rise, eta: float, push: float, A: float, rtol: fl
     if not largest < _WILD:
         return OrbitDampingRatio(SearchEnd.FAILED, zeta, math.inf, -math.inf, math.inf)
     is_within_reach = rtol * abs(_FALL * zeta) >= _ADDED_OF_GRADUAL * PRECISE
-    if abs(eta) <= STRONG and is_within_reach and _varies_gradually(rise):
+    if abs(eta) <= STRONG and is_within_reach and rise.gradual:
         need = _search_by_secants(rise, eta, push, A, rtol, zeta, largest)
         if need.end != SearchEnd.FAILED:
             return need
@@ -308,15 +310,6 @@ def search_damping_ratio(rise: Rise, eta: float, push: float, A: float, rtol: fl
             break
         need = finer
     return need
-
-
-@compilable
-def _varies_gradually(rise: Rise) -> bool:
-    """Whether a law has neither a kink nor a piece so narrow that steps may miss what it does there."""
-    gradual = len(rise.jumps) == 1
-    for i in range(1, len(rise.pieces)):
-        gradual = gradual and rise.pieces[i][0] - rise.pieces[i - 1][0] >= _GRADUAL_WIDTH
-    return gradual
 
 
 @compilable
@@ -334,40 +327,33 @@ def _search_by_secants(
     bend = _UNKNOWN_BEND
     low = -math.inf
     high = math.inf
-    earlier = math.nan
     last = math.nan
     before = math.nan
     for _ in range(_MOST_SECANTS):
         value, _, _, rounding, _ = velocity_mismatch(rise, eta, zeta, push, A, steps, no_wedge(rise))
         if is_late():
             return OrbitDampingRatio(SearchEnd.LATE, zeta, math.inf, low, high)
-        if not math.isfinite(value) or abs(value) > _SLOW * abs(before):
+        if not math.isfinite(value) or abs(value) > _SLOW * abs(before) + added_before:
             break
         added = _ADDED_OF_GRADUAL * steps * max(rounding / ROUNDING, slope / _FALL)
         if value > added:
             low = max(low, zeta)
         elif value < -added:
             high = min(high, zeta)
-        fall = abs(value - before)
-        secant = math.nan
-        if zeta != last:
-            secant = (value - before) / (zeta - last)
-        if secant < 0.0 and added + added_before < fall:
-            # By the part of a mismatch that a secant left over the next one is off at most, as they close in.
-            bend = abs(value / before) + (added + added_before) / fall
-            if math.isnan(earlier):
-                bend = max(bend, _BENT_BY_TWO)
-            slope = secant
+        noise = added + added_before
+        if (value - before) * (zeta - last) < 0.0 and noise < abs(value - before):
+            # The rates change by a factor e, and with them the slope by as much, where a mismatch changes by 1.
+            bend = abs(before) + noise / abs(value - before)
+            slope = (value - before) / (zeta - last)
         closer = zeta - value / slope
-        off = added + max(bend, _BENT) * abs(value)
+        off = added + bend * abs(value)
         error = off / -slope + PRECISE * (abs(zeta) + largest)
         wanted = rtol * abs(closer)
         if error <= wanted:
             return OrbitDampingRatio(SearchEnd.CLOSED, closer, error, closer - error, closer + error)
-        enough = _SHARE_OF_STEPS * wanted * -slope / added * steps
+        enough = 0.5 * wanted * -slope / added * steps  # the other half is for the secant
         if enough < PRECISE:
             break
-        earlier = last
         last = zeta
         before = value
         added_before = added

@@ -295,3 +295,33 @@ def test_a_mismatch_that_is_not_known_is_no_critical_value(monkeypatch):
     osc = ss.Oscillator(c=2.3, **POINT)
     with pytest.raises(ss.NotConverged, match=r"there is no threshold at N = .*: the halves of the grazing orbit"):
         ss.critical(ss.laws.exponential.typical(), "N", osc, within=(5, 20))
+
+
+@pytest.mark.parametrize(
+    ("name", "of", "values"),
+    [
+        ("exponential", "alpha", (1.0, 5.0)),
+        ("gaussian", "v_s", (0.1, 0.9)),
+        ("exponential", "mu_s", (0.4, 0.7)),
+        ("exponential", "mu_s", (0.05, 0.15)),
+        ("tanh", "mu_m", (0.6, 0.8)),
+    ],
+)
+def test_values_that_scale_slip_speed_or_friction_are_points_of_one_law(name, of, values):
+    """And have the thresholds that their own laws have; for friction that rises with speed too."""
+    law = ss.laws.catalogue[name].typical()
+    found = search._Search(law, of, POINT | {"c": 1.0}, None, 1e-3)
+    alike = found._alike(np.array(values))
+    assert len(alike) == len(values)
+    for i, x in enumerate(values):
+        own = ss.pure_slip_damping(law.bind(**{of: x}), **POINT, rtol=1e-6)
+        same = ss.pure_slip_damping(alike.law, V=alike.V[i], N=alike.N[i], m=1.0, k=100.0, rtol=1e-6)
+        assert same.value == pytest.approx(own.value, rel=3e-6)
+
+
+@pytest.mark.parametrize(("name", "of"), [("stribeck", "delta"), ("stribeck_viscous", "v_s")])
+def test_values_that_shape_a_law_have_laws_of_their_own(name, of):
+    """A scale of one term of several is no scale of the law."""
+    found = search._Search(ss.laws.catalogue[name].typical(), of, POINT | {"c": 1.0}, None, 1e-3)
+    assert found.similarity is None
+    assert len({found._kin(x) for x in (0.5, 1.0, 2.0)}) == 3

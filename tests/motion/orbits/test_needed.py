@@ -63,7 +63,7 @@ def test_secants_alone_end_within_their_errors(seed):
     eta, A = float(np.exp(rng.uniform(-3.0, 2.0))), float(rng.uniform(0.01, 1.0))
     arguments = system.rise, eta, 0.0, A
     fine = needed.search_damping_ratio(*arguments, TIGHT)
-    assert needed._varies_gradually(system.rise)
+    assert system.rise.gradual
     for rtol in (1e-3, 1e-8):
         found = needed._search_by_secants(*arguments, rtol, *needed._harmonic(system.rise, eta, A))
         assert found.end == SearchEnd.CLOSED
@@ -79,7 +79,7 @@ def test_laws_that_vary_quickly_are_searched_in_a_bracket():
         "(0.2 + 0.3*exp(-3*v))*tanh(v/1e-8)",
         "0.3 + 0.1*exp(-v) + 0.1*Max(v - 0.6, 0)",
     )
-    assert not any(needed._varies_gradually(system_of(ss.FrictionLaw(law)).rise) for law in laws)
+    assert not any(system_of(ss.FrictionLaw(law)).rise.gradual for law in laws)
 
 
 def test_what_is_not_known_of_a_half_is_not_known_of_the_gap(monkeypatch):
