@@ -15,7 +15,7 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from stickslip_sym.cli.start import SIGNALLED
+from stickslip_sym.cli.exit_codes import BAD_INPUT, NO_RESULT, SIGNALLED
 from stickslip_sym.cli.wording import option_wording
 from stickslip_sym.core.errors import InputError, InputWarning, StickSlipError
 from stickslip_sym.core.foreign import printable
@@ -23,7 +23,6 @@ from stickslip_sym.core.names import suggestion
 from stickslip_sym.core.remedies import worded
 from stickslip_sym.core.version import __version__
 
-BAD_INPUT, NO_RESULT = 2, 1
 COMMANDS = (
     "laws",
     "derive",

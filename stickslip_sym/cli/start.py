@@ -7,6 +7,8 @@ import sys
 try:
     import os
     import signal
+
+    from stickslip_sym.cli.exit_codes import SIGNALLED
 except KeyboardInterrupt:
     print("interrupted", file=sys.stderr)
     sys.exit(130)  # as below
@@ -15,9 +17,6 @@ TYPE_CHECKING = False  # as in typing, which is no light import
 if TYPE_CHECKING:
     from types import FrameType
     from typing import NoReturn
-
-SIGNALLED = 128
-"""What shells add to the number of a signal, for the exit code of what it ended."""
 
 
 def main() -> None:
