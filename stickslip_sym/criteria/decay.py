@@ -4,180 +4,162 @@ No ball around v = 0 is finite there. What such a coefficient adds below some sp
 speed, since it rises from 0; above it balls are as small as they are anywhere.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import sympy as sp
-from flint import acb, arb, arb_poly
+from flint import acb, arb
 
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Substitution
-from stickslip_sym.core.balls import ball, ball_value, number_at
+from stickslip_sym.core.balls import Point, ball_value, number_at
+from stickslip_sym.model.formula_algebra import NotAnalytic
+from stickslip_sym.model.leading_terms import LeadingTerms, Order, ask_leading_terms
+from stickslip_sym.numerics.known import Unknown
+
+_CONSTANT: Order = (sp.S.Zero, sp.S.Zero)
 
 
 @dataclass(frozen=True)
 class Decay:
-    """exp(-rate v^-order) with rate and order > 0."""
+    """exp(E), E a sum of c v^e L^n with L = -log(v), which falls without bound at rest, faster than L grows.
 
-    rate: Expr
-    order: Expr
+    - `terms`: the numbers c by their orders (e, n).
+    """
+
+    terms: Mapping[Order, Expr]
+
+    @property
+    def first(self) -> Order:
+        """The order of the term that is the largest at rest."""
+        return _largest_at_rest(self.terms)
 
     @property
     def function(self) -> Expr:
         """It at v = 2 V."""
-        return sp.exp(-self.rate * (2 * symbols.V) ** -self.order)
-
-    def exponent(self, v: arb) -> arb:
-        """Return rate v^-order."""
-        return ball(self.rate).real * v ** (-ball(self.order).real)
+        v = 2 * symbols.V
+        return sp.exp(sp.Add(*[c * v**e * (-sp.log(v)) ** n for (e, n), c in self.terms.items()]))
 
     def ball(self, v: arb) -> arb:
         """Return it at a speed."""
-        return (-self.exponent(v)).exp()
+        return _sum_at(self.terms, v).exp()
+
+    def rates(self, power: Expr = sp.S.Zero) -> dict[Order, Expr]:
+        """Return by how much more the relative change of v^power times it is than that of v, as a sum like E."""
+        rates = {_CONSTANT: power}
+        for (e, n), c in self.terms.items():
+            for order, change in (((e, n), c * e), ((e, n - 1), -c * n)):
+                rates[order] = rates.get(order, sp.S.Zero) + change
+        return {order: rate for order, rate in rates.items() if rate != 0}
 
     def steepness(self, v: float) -> float:
         """Return by how much more its relative error is than that of the speed."""
-        return float(self.exponent(arb(v)) * ball(self.order).real)
+        return float(_sum_at(self.rates(), arb(v)))
+
+    def rises_below(self, end: arb, power: Expr = sp.S.Zero) -> bool:
+        """Whether v^power times it is shown to rise up to a speed.
+
+        The first term of its rate is larger than all others there, and the lower the speed, the more so: the ratio
+        v^e L^n falls with v where e L >= n.
+        """
+        rates = self.rates(power)
+        first = _largest_at_rest(rates)
+        logarithm = -end.log()
+        falls = all(
+            bool(_sum_at({_CONSTANT: e - first[0]}, end) * logarithm >= _sum_at({_CONSTANT: n - first[1]}, end))
+            for e, n in rates
+        )
+        others = [abs(_sum_at({order: rate}, end)) for order, rate in rates.items() if order != first]
+        return falls and bool(logarithm > 0) and bool(_sum_at({first: rates[first]}, end) > sum(others, arb(0)))
 
     def below(self, reach: arb, bits: int) -> arb:
-        """Return a speed where it is so many bits below what it is at another one."""
-        rate = ball(self.rate).real
-        order = ball(self.order).real
-        return ((reach ** (-order) + bits * arb.const_log2() / rate) ** (-1 / order)).mid()
-
-
-@dataclass(frozen=True)
-class DecayInLogarithm:
-    """exp(P(log(v))), P a polynomial of degree 2 or more falling without bound at rest: a log-normal law."""
-
-    coefficients: tuple[arb, ...]
-
-    def exponent(self, logarithm: arb) -> arb:
-        """Return P of a logarithm of the speed."""
-        return arb_poly(list(self.coefficients))(logarithm)
-
-    def rises_below(self, logarithm: arb, power: arb) -> bool:
-        """Whether v^power exp(P(log(v))) rises with v up to a speed: its rate is positive for every t below."""
-        rate = arb_poly(list(self.coefficients)).derivative() + power
-        in_distance = rate(arb_poly([logarithm, -1]))
-        return all(bool(c >= 0) for c in in_distance) and bool(in_distance[0] > 0)
-
-    def below(self, reach: arb, bits: int) -> arb:
-        """Return a speed where it is so many bits below what it is at another one, or lower."""
-        top = reach.log()
+        """Return a speed where it is so many bits below what it is at another one, or lower, and rises."""
         step = arb(1)
-        wanted = self.exponent(top) - bits * arb.const_log2()
-        while not (self.exponent(top - step) < wanted and self.rises_below(top - step, arb(0))):
+        wanted = _sum_at(self.terms, reach) - bits * arb.const_log2()
+        while not (_sum_at(self.terms, reach / step.exp()) < wanted and self.rises_below(reach / step.exp())):
             step *= 2
-        return (top - step).exp().mid()
+        return (reach / step.exp()).mid()
 
 
-def _decay_in_logarithm(node: Expr, point: Substitution) -> DecayInLogarithm | None:
-    """Return an exponential of a polynomial in log(v) that falls without bound at rest; None for another."""
-    if not node.exp.has(sp.log):
+def _largest_at_rest(terms: Mapping[Order, Expr]) -> Order:
+    return min(terms, key=lambda order: (order[0], -order[1]))
+
+
+def _sum_at(terms: Mapping[Order, Expr], v: arb) -> arb:
+    """Return a sum of c v^e L^n."""
+    total = sp.Add(*[c * symbols.v**e * (-sp.log(symbols.v)) ** n for (e, n), c in terms.items()])
+    return ball_value(total, {symbols.v: acb(v)}).real
+
+
+def _superpolynomial_decay(exponential: Expr, point: Substitution) -> Decay | None:
+    """Return how an exponential vanishes at rest, if faster than any power; None for another."""
+
+    def exact(found: LeadingTerms) -> Mapping[Order, Expr]:
+        if found.left_out:
+            raise NotAnalytic("it is no sum of powers")
+        return found.terms
+
+    known = ask_leading_terms(exponential.exp, exact, point)
+    if isinstance(known, Unknown) or not known:
         return None
-    logarithm = sp.log(symbols.v)
-    exponent = sp.expand(sp.expand_log(node.exp, force=True))
-    if not exponent.is_polynomial(logarithm) or sp.Poly(exponent, logarithm).degree() <= 1:  # a power of v
+    numbers = [number_at(part, point) for (e, n), c in known.items() for part in (e, n, c)]
+    if not all(number.is_real for number in numbers):
         return None
-    coefficients = sp.Poly(exponent, logarithm).all_coeffs()[::-1]
-    if any(c.has(symbols.v) or c.free_symbols - point.keys() for c in coefficients):
-        return None
-    balls = tuple(ball_value(c, point).real for c in coefficients)
-    falls = bool(balls[-1] * (-1) ** (len(balls) - 1) < 0)
-    return DecayInLogarithm(balls) if falls else None
+    first = _largest_at_rest(known)
+    falls = number_at(known[first], point) < 0 and (first[0] < 0 or (first[0] == 0 and first[1] > 1))
+    return Decay({order: c.xreplace(dict(point)) for order, c in known.items()}) if falls else None
+
+
+def _superpolynomial_decays(mu: Expr, point: Substitution) -> list[Decay]:
+    """Return the exponentials of a formula that vanish faster than any power."""
+    decays = [_superpolynomial_decay(node, point) for node in mu.atoms(sp.exp)]
+    return [decay for decay in decays if decay is not None]
 
 
 def start_of(mu: Expr, point: Substitution, reach: arb, bits: int) -> arb | None:
     """Return a speed below which what vanishes faster than any power counts for nothing; None without such."""
-    decay = decay_at_rest(mu, point)
-    logarithmic = [_decay_in_logarithm(node, point) for node in mu.atoms(sp.exp)]
-    starts = [one.below(reach, bits) for one in logarithmic if one is not None]
-    if decay is not None:
-        starts += [decay.below(reach, bits)]
-    return min(starts, key=float, default=None)
+    return min((decay.below(reach, bits) for decay in _superpolynomial_decays(mu, point)), key=float, default=None)
 
 
 def decay_at_rest(mu: Expr, point: Substitution) -> Decay | None:
-    """Return the slowest exponential by which a smooth coefficient, or a term of it, vanishes at rest."""
-    decays = [_leading_decay(node, point) for node in mu.atoms(sp.exp)]
-    known = [decay for decay in decays if decay is not None]
-    return min(known, key=lambda decay: (decay.order, decay.rate), default=None)
-
-
-def _leading_decay(node: Expr, point: Substitution) -> Decay | None:
-    terms = _exponent_powers(node, point)
-    if not terms:
-        return None
-    power, rate = min(terms)
-    if power < 0 and rate < 0:
-        return Decay(-rate, -power)
-    return None
-
-
-def _exponent_powers(node: Expr, point: Substitution) -> list[tuple[Expr, Expr]]:
-    """Return exponents and coefficients of an exponential's argument; nothing if it is no sum of powers of v."""
-    powers: dict[Expr, Expr] = {}
-    for term in sp.Add.make_args(sp.expand(node.exp)):
-        coefficient, power = sp.expand_power_base(term, force=True).as_coeff_exponent(symbols.v)
-        if coefficient.has(symbols.v) or (coefficient.free_symbols | power.free_symbols) - point.keys():
-            return []
-        power = number_at(power, point)
-        powers[power] = powers.get(power, sp.S.Zero) + number_at(coefficient, point)
-    if all(c.is_real for c in powers.values()):
-        return [(power, c) for power, c in powers.items() if c != 0]
-    return []
+    """Return the slowest exponential of a power by which a coefficient, or a term of it, vanishes at rest."""
+    leading = [(decay.first, decay.terms[decay.first]) for decay in _superpolynomial_decays(mu, point)]
+    slowest = max((one for one in leading if one[0][0] < 0 and one[0][1] == 0), default=None)
+    return None if slowest is None else Decay(dict([slowest]))
 
 
 def vanishing(mu: Expr, point: Substitution) -> tuple[Expr, Expr]:
     """Return a smooth coefficient without its terms that vanish faster than any power, and these."""
-    regular = list[Expr]()
-    vanished = list[Expr]()
-    for term in sp.Add.make_args(sp.expand_mul(mu)):
-        exponentials = [factor for factor in sp.Mul.make_args(term) if isinstance(factor, sp.exp)]
-        decays = any(_leading_decay(node, point) or _decay_in_logarithm(node, point) for node in exponentials)
-        (vanished if decays else regular).append(term)
+    vanished, regular = sp.sift(
+        sp.Add.make_args(sp.expand_mul(mu)),
+        lambda term: any(
+            isinstance(factor, sp.exp) and _superpolynomial_decay(factor, point)
+            for factor in sp.Mul.make_args(term)
+        ),
+        binary=True,
+    )
     return sp.Add(*regular), sp.Add(*vanished)
 
 
 def bound_below(vanished: Expr, point: Substitution, end: arb) -> arb:
     """Return a bound on what vanishes faster than any power, from v = 0 to a speed; not finite without one."""
-    around = acb(arb(end / 2, (end / 2).abs_upper()))
+    around: Point = {**point, symbols.v: acb(arb(end / 2, (end / 2).abs_upper()))}
     total = arb(0)
     for term in sp.Add.make_args(vanished):
         size = arb(1)
         power = sp.S.Zero
-        exponent = arb(0)
-        order = arb(0)
-        logarithmic = None
+        decay = None
         for factor in sp.Mul.make_args(term):
-            base, p = factor.as_base_exp()
-            decay = _leading_decay(factor, point) if isinstance(factor, sp.exp) else None
-            if decay is not None and exponent == 0:
-                leading = decay.exponent(end)
-                order = ball(decay.order).real
-                others = [abs(ball(c).real) * end ** ball(e).real for e, c in _exponent_powers(factor, point)
-                          if e != -decay.order]  # fmt: skip
-                beside = sum(others, arb(0))
-                if not beside <= leading / 2:  # then it is less, the lower the speed
-                    return arb.nan()
-                exponent = leading - beside
-            elif (
-                logarithmic is None
-                and isinstance(factor, sp.exp)
-                and _decay_in_logarithm(factor, point) is not None
-            ):
-                logarithmic = _decay_in_logarithm(factor, point)
-            elif base == symbols.v and not p.has(symbols.v):
-                power += p
+            base, exponent = factor.as_base_exp()
+            falls = _superpolynomial_decay(factor, point) if isinstance(factor, sp.exp) else None
+            if falls is not None and decay is None:
+                decay = falls
+            elif base == symbols.v and not exponent.has(symbols.v):
+                power += exponent.xreplace(dict(point))
             else:
-                size *= abs(ball_value(factor, {**point, symbols.v: around}).real)
-        lowered = ball_value(sp.sympify(power), point).real
-        if logarithmic is not None:
-            if exponent != 0 or not logarithmic.rises_below(end.log(), lowered):
-                return arb.nan()
-            total += size * (logarithmic.exponent(end.log()) + lowered * end.log()).exp()
-            continue
-        if not exponent * order >= -lowered:  # so far v^power times the exponential rises
+                size *= abs(ball_value(factor, around).real)
+        if decay is None or not decay.rises_below(end, power):
             return arb.nan()
-        total += size * end**lowered * (-exponent).exp()
+        at_end = ball_value(symbols.v**power, {symbols.v: acb(end)}).real
+        total += size * at_end * decay.ball(end)
     return total

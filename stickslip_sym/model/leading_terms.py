@@ -50,6 +50,7 @@ _OF_LARGE_ARGUMENT: dict[type[Expr], Expr] = {
     sp.coth: 1 + 2 / (sp.exp(2 * _v) - 1),
     sp.sech: 2 / (sp.exp(_v) + sp.exp(-_v)),
     sp.csch: 2 / (sp.exp(_v) - sp.exp(-_v)),
+    sp.erfc: 1 - sp.erf(_v),
 }
 """Functions by what is expanded where their argument, which is v here, grows without bound."""
 _OF_LARGE_POSITIVE: dict[type[Expr], Expr] = {
@@ -317,8 +318,6 @@ class _LetterAlgebra(FormulaAlgebra[LeadingTerms]):
             reciprocal = self.power(inner, sp.S.NegativeOne)
             far = reciprocal.inserted_in(Erfcx.far_coefficients(self.count + 1))
             return far.scaled(1 / sp.sqrt(sp.pi), _CONSTANT)
-        if kind is sp.erfc:
-            return self.of(1 - sp.erf(_v), inner)
         if kind not in _OF_LARGE_POSITIVE:
             raise NotAnalytic(f"{known.name} of what grows")
         of_positive = self.of(_OF_LARGE_POSITIVE[kind], inner.scaled(side, _CONSTANT))

@@ -19,6 +19,7 @@ A table ends where mu varies too often, as a sine does for ever: a motion that c
 """
 
 import math
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache, partial
@@ -450,13 +451,17 @@ def _row(one: Interval[float, None], powers: FloatArray) -> FloatArray:
 
 @lru_cache  # laws with other values share them
 def _slopes(expr: Expr) -> list[Expr]:
-    """Return the slope of a formula as it stands, and over one denominator, where algebraic terms cancel less."""
+    """Return the slope of a formula as it stands, and with what multiplies each function over one denominator.
+
+    There algebraic terms cancel less: v/sqrt(v^2 + e^2) has the slope e^2/(v^2 + e^2)^(3/2).
+    """
     slope = slope_of(expr)
-    terms = sp.Add.make_args(slope)
-    algebraic = [term for term in terms if _is_algebraic(term)]
-    others = slope - sp.Add(*algebraic)
-    forms = [slope, others + _write_one_denominator(sp.Add(*algebraic))]
-    return list(dict.fromkeys(forms))
+    multiplied = defaultdict[Expr, Expr](lambda: sp.S.Zero)
+    for term in sp.Add.make_args(slope):
+        functions, algebraic = sp.sift(sp.Mul.make_args(term), _is_transcendental, binary=True)
+        multiplied[sp.Mul(*functions)] += sp.Mul(*algebraic)
+    parts = [function * _write_one_denominator(terms) for function, terms in multiplied.items()]
+    return list(dict.fromkeys([slope, sp.Add(*parts)]))
 
 
 def _write_one_denominator(terms: Expr) -> Expr:
@@ -467,15 +472,15 @@ def _write_one_denominator(terms: Expr) -> Expr:
     return sp.expand(numerator) / denominator
 
 
-def _is_algebraic(term: Expr) -> bool:
-    """Whether an expression is made of sums, products and powers only, as far as it holds the slip speed."""
-    return not any(_is_transcendental(node) for node in sp.preorder_traversal(term))
+def _is_transcendental(expr: Expr) -> bool:
+    """Whether an expression is not made of sums, products and powers only, as far as it holds the slip speed."""
+    return any(
+        node.args and node.has(symbols.v) and not _is_algebraic(node) for node in sp.preorder_traversal(expr)
+    )
 
 
-def _is_transcendental(node: Expr) -> bool:
-    if not node.has(symbols.v) or not node.args:
-        return False
-    return not (node.is_Add or node.is_Mul or (node.is_Pow and not node.exp.has(symbols.v)))
+def _is_algebraic(node: Expr) -> bool:
+    return node.is_Add or node.is_Mul or (node.is_Pow and not node.exp.has(symbols.v))
 
 
 def _first(segment: _Segment) -> tuple[FloatArray, float]:

@@ -5,9 +5,11 @@ import random
 import mpmath
 import numpy as np
 import pytest
+from flint import arb
 
 import stickslip_sym as ss
 from stickslip_sym import quadrature
+from stickslip_sym.criteria.decay import bound_below
 from support.sweeps import sample, some, sweep
 
 RNG = random.Random(4010)
@@ -90,3 +92,26 @@ def test_log_normal_laws_are_enclosed_around_what_quadrature_gives(text, criteri
     assert float(enclosure) == pytest.approx(float(by_quadrature), rel=1e-14)
     assert enclosure.digits >= 18
     assert ss.slope_average(text, criterion)(V=float(V), N=1) == pytest.approx(float(by_quadrature), rel=1e-13)
+
+
+@sample(3)
+@pytest.mark.parametrize("criterion", ["least_squares", "harmonic"])
+@pytest.mark.parametrize("text", ["0.1*exp(log(v)/v)", "v*exp(-1/v - log(v)^2)", "exp(-1/v)*exp(v/(1 + v))/v^3"])
+def test_exponents_of_powers_and_logarithms_are_bounded_by_one_proof(text, criterion):
+    enclosure = ss.enclose(text, criterion, V="0.3", N=1, digits=18)
+    by_quadrature = ss.quadrature.damping(text, criterion, V="0.3", N=1, digits=18)
+    assert float(enclosure) == pytest.approx(float(by_quadrature), rel=1e-14)
+
+
+@pytest.mark.parametrize("text", ["v^(-3)*exp(-1/v)", "v^(-3)*exp(-1/v + 1/sqrt(v))", "v^(-3)*exp(-log(v)^2)"])
+def test_what_is_bounded_from_rest_to_a_speed_is_no_larger_there(text):
+    """And where it falls again there is no bound: beyond the speed at which it is largest."""
+    expr = ss.FrictionLaw(text).expr
+    v = np.geomspace(1e-4, 3, 4000)
+    values = ss.FrictionLaw(text).mu(v)
+    for end in np.geomspace(1e-3, 3, 30):
+        bound = bound_below(expr, {}, arb(end))
+        below = values[v <= end].max()
+        assert not bound.is_finite() or bool(bound >= below * (1 - 1e-9))
+        assert not bound.is_finite() or end <= v[values.argmax()] * 1.001
+    assert bound_below(expr, {}, arb(0.01)).is_finite()

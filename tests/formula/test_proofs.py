@@ -15,7 +15,7 @@ from stickslip_sym.core.special import Lerch
 from stickslip_sym.core.symbols import V, a, b, mu, s, u
 from stickslip_sym.formula.proof.normal_form import expand_above, normal_form
 from stickslip_sym.formula.proof.proving import prove_equal, prove_positive
-from stickslip_sym.formula.proof.theorems import Antiderivative, ChangeOfVariable, PieceByPiece
+from stickslip_sym.formula.proof.theorems import Antiderivative, ChangeOfVariable, PieceByPiece, value_at
 from stickslip_sym.output.notation import notation_of
 from support.closed_forms import form_of
 from support.latex_reader import read
@@ -256,6 +256,38 @@ PIECES = "Piecewise((0.5 - v/5, v < a), (0.5 - a/5 - 0.1*(v - a), True))"
 )  # fmt: skip
 def test_limits_of_pieces_and_infinite_ones(text, limit):
     assert rf"\infty$ it tends to ${limit}$." in ss.export_latex(ss.derive(text, search=False))
+
+
+@pytest.mark.parametrize(
+    "primitive",
+    [
+        u**w * sp.log(w * u) ** 2, u * sp.log((1 - sp.exp(-u)) / u), u * sp.log(1 + w / u**2),
+        sp.log(u) * sp.atan(u), sp.erf(w * sp.log(u) + p), sp.erfc(sp.sqrt(w / u)) / u**2,
+        sp.erfc(sp.sqrt(p - w * sp.log(u))),
+        sp.expint(1, w / u) / u**3, sp.uppergamma(p, w / u**p) / u, sp.exp(p - w / u) / u + 3,
+    ],
+)  # fmt: skip
+def test_a_primitive_at_rest_is_what_its_values_tend_to(primitive):
+    given = {w: sp.Rational(7, 5), p: sp.Rational(2, 3), u: sp.Rational(1, 10**40)}
+    there = sp.N(value_at(primitive, u, sp.S.Zero).subs(given), 20)
+    assert abs(sp.N(primitive.subs(given), 20) - there) < 1e-20
+
+
+@pytest.mark.parametrize(
+    "primitive",
+    [
+        sp.log(u),
+        1 / u,
+        sp.log(u) / u**w,
+        sp.erfc(sp.sqrt(p - w * sp.log(u))) / u,
+        sp.exp(w / u),
+        sp.log(u) - 1 / u,
+    ],
+)
+def test_a_primitive_that_may_be_infinite_at_rest_is_refused(primitive):
+    """The fourth is infinite for w below 1."""
+    with pytest.raises(ValueError, match="is not finite"):
+        value_at(primitive, u, sp.S.Zero)
 
 
 # -- numbers in a formula ----------------------------------------------------------------------------

@@ -29,6 +29,7 @@ OTHERS = (
     "a-b/log(v/w)", "a*tanh(w/v)", "a*atan(w/v)", "a*v*log(1+w/v)", "v^v", "a*(1+v)^(1/v)", "a*v*cos(w/v)",
     "exp((v/w)^2)*erfc(v/w)", "a*sqrt(v^2+w^2)-b*v", "a*log(v/w)^2", "a*asinh(w/v)", "a*exp(-(v/w)^2+v)*v",
     "a+b*log(log(2+v))", "(v-a)/(v+b)", "a*exp(-sqrt(v/w))*v^(1/3)", "log(1+exp(v/w))-v/w", "a*csch(v)*v",
+    "a*v*erfc(w/v)",
 )  # fmt: skip
 UNKNOWN = {
     ("(v/sin(v)-1)/v^2", True, "mu"), ("(v/sin(v)-1)/v^2", True, "slope"),  # poles

@@ -230,3 +230,13 @@ def test_what_is_left_after_four_halvings_may_be_the_noise_of_a_difference():
     values, low = np.full((2, 3), 1e-6), np.ones(2)
     before, after = segment.noise(values, low, low + 0.1, np.array([3, 4]))
     assert after > 100 * before
+
+
+@pytest.mark.parametrize("width", ["1e-3", "1e-8", "1e-14"])
+@pytest.mark.parametrize("base", ["(0.3 + 0.2*exp(-v/0.1))", "(0.2 + 0.3/(1 + v/0.1))*(1 + 0.1*tanh(v))"])
+def test_a_layer_at_rest_by_a_root_is_tabulated_however_thin(base, width):
+    """Two terms of its slope cancel beyond the layer, and each is multiplied by a function."""
+    law = ss.FrictionLaw(f"{base}*v/sqrt(v^2 + {width}^2)")
+    assert law.bound.table.end >= 10
+    v = np.append(np.geomspace(1e-3 * float(width), 10, 300), float(width) * np.array([0.1, 1, 3, 1e3]))
+    assert law.bound.table.values(v) == pytest.approx(law.mu(v), rel=2e-13)

@@ -13,8 +13,10 @@ from stickslip_sym.core.aliases import Expr
 from stickslip_sym.core.functions import must_be_positive
 from stickslip_sym.formula.proof.normal_form import normal_form, single_limit
 from stickslip_sym.model.expression.pieces import pieces_of
+from stickslip_sym.model.leading_terms import symbolic_limit_at_rest
+from stickslip_sym.numerics.known import Unknown
 
-_INFINITE = (sp.zoo, sp.oo, sp.nan)
+_INFINITE = (sp.zoo, sp.oo, -sp.oo, sp.nan)
 
 By: TypeAlias = Callable[[Expr], Expr]
 """A theorem, applied to the left side of an equation, which stays equal; ValueError where it does not apply."""
@@ -176,86 +178,24 @@ def value_at(primitive: Expr, x: Expr, place: Expr) -> Expr:
 
 
 def _limit_of_term(term: Expr, x: Expr) -> Expr:
-    """Return the limit of a product as x falls to 0: x^p log(x)^n vanishes for p > 0, erf(log(x)) tends to -1.
-
-    A product of powers of x with exp(-a/x) or E_1(a/x), a > 0, vanishes too.
-    """
-    factors = sp.Mul.make_args(term)
-    if any(_falls_with_logarithm(factor, x) for factor in factors):
-        others = [factor for factor in factors if factor.has(x) and not _falls_with_logarithm(factor, x)]
-        return sp.nan if others else sp.S.Zero
-    if any(_vanishes_at_rest(factor, x) for factor in factors):
-        others = [factor for factor in factors if factor.has(x) and not _vanishes_at_rest(factor, x)]
-        if all(factor.as_base_exp()[0] == x for factor in others):
-            return sp.S.Zero
-        return sp.nan
-    term = term.replace(
-        lambda node: isinstance(node, sp.erf) and _is_falling_logarithm(node.args[0], x),
-        lambda node: sp.S.NegativeOne,
-    )
-    # As of (1 - exp(-x))/x.
-    term = term.replace(
-        lambda node: isinstance(node, sp.log) and node.args[0].subs(x, 0) is sp.nan,
-        lambda node: sp.log(sp.limit(node.args[0], x, 0, "+")),
-    )
-
-    def is_logarithm(factor: Expr) -> bool:
-        base, n = factor.as_base_exp()
-        return isinstance(base, sp.log) and base.args[0].subs(x, 0) == 0 and bool(n.is_Integer and n > 0)
-
-    logarithms, others = sp.sift(sp.Mul.make_args(term), is_logarithm, binary=True)
-    if not logarithms:
-        return term.subs(x, 0)
-    p = sp.sympify(sp.Mul(*others).as_powers_dict()[x])
-    vanishes = p.is_positive and not p.has(x) and not (sp.Mul(*others) / x**p).subs(x, 0).has(*_INFINITE)
-    return sp.Integer(0) if vanishes else sp.nan
+    """Return the limit of a product as x falls to 0; NaN where it is not found."""
+    value = term.subs(x, 0)
+    if not value.has(*_INFINITE):
+        return value
+    factors = map(_as_large_at_rest, sp.Mul.make_args(term.xreplace({x: symbols.v, symbols.v: x})))
+    limit = symbolic_limit_at_rest(sp.Mul(*factors))
+    return sp.nan if isinstance(limit, Unknown) else limit
 
 
-def _vanishes_at_rest(factor: Expr, x: Expr) -> bool:
-    """Whether a factor falls faster than any power of x, as exp(-a/x + b) and E_1(a/x), a > 0."""
-    if _outweighs_powers(factor, x):
-        return True
-    if isinstance(factor, sp.exp):
-        rate = -sp.expand(factor.exp).coeff(x, -1)
-        rest = sp.expand(factor.exp + rate / x)
-    elif isinstance(factor, sp.expint):
-        rate = sp.expand(factor.args[1] * x)
-        rest = sp.S.Zero
-    else:
-        return False
-    return bool(rate.is_positive) and not rate.has(x) and not rest.has(x)
-
-
-def _outweighs_powers(factor: Expr, x: Expr) -> bool:
-    """Whether a factor is exp(-y), E_1(y), Gamma(s, y) or erfc(sqrt(y)) of a y = a x^(-d), a > 0, d > 0."""
-    if isinstance(factor, sp.exp):
-        y = -factor.exp
-    elif isinstance(factor, sp.expint | sp.uppergamma):
-        y = factor.args[1]
-    elif isinstance(factor, sp.erfc):
-        y = factor.args[0] ** 2
-    else:
-        return False
-    front, power = y.as_coeff_exponent(x)
-    return bool(front.is_positive and power.is_negative) and not front.has(x)
-
-
-def _falls_with_logarithm(factor: Expr, x: Expr) -> bool:
-    """Whether a factor is Gamma(s, y) or erfc(sqrt(y)) of a y = a - b log(x), b > 0."""
-    if isinstance(factor, sp.uppergamma):
-        y = factor.args[1]
-    elif isinstance(factor, sp.erfc):
-        y = factor.args[0] ** 2
-    else:
-        return False
-    return _is_falling_logarithm(-sp.expand(y), x)
-
-
-def _is_falling_logarithm(expr: Expr, x: Expr) -> bool:
-    """Whether an expression is a log(x) + b, a > 0."""
-    rate = expr.coeff(sp.log(x))
-    rest = sp.expand(expr).coeff(sp.log(x), 0)
-    return bool(rate.is_positive) and not rest.has(x)
+def _as_large_at_rest(factor: Expr) -> Expr:
+    """Return exp(-y)/y for E_s(y), y^(s - 1) exp(-y) for Gamma(s, y) where y grows: their ratio tends to 1."""
+    if not isinstance(factor, sp.expint | sp.uppergamma):
+        return factor
+    s, y = factor.args
+    limit = symbolic_limit_at_rest(y)
+    if isinstance(limit, Unknown) or limit != sp.oo:
+        return factor
+    return y ** (s - 1 if isinstance(factor, sp.uppergamma) else -1) * sp.exp(-y)
 
 
 # -- where a formula is known to be continuous, analytic or positive --------------------------------

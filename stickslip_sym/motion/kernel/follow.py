@@ -32,7 +32,7 @@ from stickslip_sym.motion.kernel.slip_data import (
     Trial,
     Wedge,
 )
-from stickslip_sym.motion.kernel.steps import AMPLIFIED, stepped
+from stickslip_sym.motion.kernel.steps import AMPLIFIED, SHORTEST, stepped
 
 _PAST = 2.0  # times the way to the end of a segment: its polynomials are of no use far beyond
 _STIFF_DECAY = 10.0  # a decay of w, per unit of time, below which explicit steps are cheap enough
@@ -40,7 +40,6 @@ _STABLE = 2.5  # decay times a step, from which stability holds it short: the ex
 _LOOK = 100  # steps between two looks at the time limit
 _STEPS_HELD_SHORT = 15  # steps held short by stability before the method changes
 _NO_ERROR = 1e-7  # of the tolerance, that may be nothing but rounding
-_SHORTEST = 1e-14  # length of a step, over max(tau, 1), that is not made shorter
 _REST_WITHIN = 10  # times the tolerance: nearer to rest the errors of steps do not let the mass come
 _REST_WIDTH = 1e-6  # of w = 1, from where it is asked whether a mass is at rest
 _CREEP = 2.0  # decay of w from which a deviation from rest has real exponents
@@ -70,7 +69,7 @@ def follow(
         return Run(SlipEnd.OUTSIDE, begin, Extent(taken, passed, q, q, u, u), steps)
     segment, rising, state = _begun(rise, field, begin)
     branch = entered(rise, segment, True, state.w)
-    pace = _first_pace(field, state, stop.longest, rtol)
+    pace = _first_pace(branch, field, state, stop.longest, rtol)
     at_kink = not rising and segment > 0 and state.w == rise.levels[segment]  # it leaves downward
     close = _REST_WIDTH + _REST_WITHIN * rtol
     end = SlipEnd.OPEN
@@ -100,7 +99,7 @@ def follow(
         if _PAST * abs(border - state.w) < most * abs(state.rate):
             most = _PAST * abs(border - state.w) / abs(state.rate)
         trial, pace = _advance(branch, field, state, pace, most, stop.longest, rtol, wedge)
-        shortest = _SHORTEST * max(state.tau, 1.0)
+        shortest = SHORTEST * max(state.tau, 1.0)
         if pace.again:
             end = SlipEnd.FAILED if trial.length <= shortest else SlipEnd.OPEN
             continue
@@ -135,7 +134,9 @@ def follow(
                 end = SlipEnd.LEVEL
         elif event == SlipEnd.LEVEL:
             at_kink = state.w == border and border > 0.0
-            if state.w == 0.0 and (passed == stop.passes or -hold <= state.q <= 0.0):
+            if state.w == 0.0 and state.rate > 0.0 and stop.until == SlipEnd.MINIMUM:
+                end = SlipEnd.MINIMUM  # it turned within rounding of the belt's speed
+            elif state.w == 0.0 and (passed == stop.passes or -hold <= state.q <= 0.0):
                 end = SlipEnd.RETURN
             elif state.w == 0.0:
                 field, state = _cross(branch, field, hold, state)
@@ -168,11 +169,12 @@ def _begun(rise: Rise, field: Field, begin: SlipState) -> tuple[int, bool, SlipS
 
 
 @compilable
-def _first_pace(field: Field, state: SlipState, longest: float, rtol: float) -> Pace:
-    """Return the pace of a slip that begins."""
+def _first_pace(branch: Branch, field: Field, state: SlipState, longest: float, rtol: float) -> Pace:
+    """Return the pace of a slip that begins, implicit at once where no explicit step is short enough."""
     fastest = max(1.0, max(abs(1.0 - field.side * state.w), abs(state.rate)))
     length = min(ACCURATE_STEP * rtol**0.125 / fastest, longest)
-    return Pace(False, 0, length, 0.0, length, False)
+    decay = field.eta * slope_at(branch, state.w) + field.damping
+    return Pace(decay * SHORTEST > 1.0, 0, length, 0.0, length, False)
 
 
 @compilable

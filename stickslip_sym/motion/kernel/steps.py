@@ -9,6 +9,8 @@ from stickslip_sym.motion.kernel.forces import rate_at, rise_at, slope_at, wedge
 from stickslip_sym.motion.kernel.slip_data import ULP, Branch, Field, SlipState, Trial, Wedge
 
 _SMALL = 0.01  # states below count as that large in an error: less than order 1, since events are where w is 0
+SHORTEST = 1e-14  # length of a step, over max(tau, 1), that is not made shorter
+_MOST_GUESSES = 100  # of Newton's method, which may have to halve a bracket down to rounding
 _EXTRAPOLATION_ROWS = 8  # of the extrapolation
 AMPLIFIED = 4e3  # their rounding errors by it, the sum of its weights
 _A: tuple[tuple[float, ...], ...] = tuple(map(tuple, DOP853.A.tolist()))
@@ -128,11 +130,15 @@ def _explicit(branch: Branch, field: Field, state: SlipState, h: float, rtol: fl
 
 @compilable
 def _implicit(branch: Branch, field: Field, state: SlipState, h: float, rtol: float, wedge: Wedge) -> Trial:
-    """Try a step of the extrapolated linearly implicit Euler method."""
+    """Try a step of the extrapolated implicit Euler method, linearly implicit but where mu is all but vertical.
+
+    There its slope says nothing of how friction changes over a step: linearised, it would hold w where it was.
+    """
     eta, push, side, damping = field
     q = state.q
     w = state.w
     decay = eta * slope_at(branch, w) + damping
+    is_vertical = decay * SHORTEST > 1.0
     of_q = [0.0] * _EXTRAPOLATION_ROWS
     of_w = [0.0] * _EXTRAPOLATION_ROWS
     of_D = [0.0] * _EXTRAPOLATION_ROWS
@@ -152,8 +158,12 @@ def _implicit(branch: Branch, field: Field, state: SlipState, h: float, rtol: fl
         for _ in range(row + 1):
             dq = s * (1.0 - side * y)
             dw = s * rate_at(branch, field, x, y)
-            x += ((1.0 + s * decay) * dq - s * side * dw) / determinant
-            y += (dw + s * side * dq) / determinant
+            if is_vertical:
+                y = _euler(branch, field, x, y, s)
+                x += s * (1.0 - side * y)
+            else:
+                x += ((1.0 + s * decay) * dq - s * side * dw) / determinant
+                y += (dw + s * side * dq) / determinant
             if wedge.wanted:
                 a, b = wedge_terms(branch, field, wedge, y)
                 z = (z + s * b) / (1.0 - s * a)
@@ -173,3 +183,26 @@ def _implicit(branch: Branch, field: Field, state: SlipState, h: float, rtol: fl
             z = next_D
         of_q[row], of_w[row], of_D[row] = x, y, z
     return Trial(h, x, y, rate_at(branch, field, x, y), z, error)
+
+
+@compilable
+def _euler(branch: Branch, field: Field, q: float, w: float, s: float) -> float:
+    """Return w after a step of the implicit Euler method, by Newton's method in a bracket."""
+    eta, _, side, damping = field
+    low = w
+    high = w + s * (rate_at(branch, field, q, w) + s * side * (1.0 - side * w))
+    rises = high > w
+    y = w
+    for _ in range(_MOST_GUESSES):
+        off = w + s * rate_at(branch, field, q + s * (1.0 - side * y), y) - y
+        if (off > 0.0) == rises:
+            low = y
+        else:
+            high = y
+        before = y
+        y += off / (1.0 + s * (eta * slope_at(branch, y) + damping) + s * s)
+        if not min(low, high) <= y <= max(low, high):
+            y = 0.5 * (low + high)
+        if abs(y - before) <= ULP * abs(y):
+            break
+    return y

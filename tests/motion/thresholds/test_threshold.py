@@ -243,3 +243,22 @@ def test_a_law_that_rises_from_rest_more_slowly_than_every_power(V, value):
 def test_a_law_that_holds_nothing_is_said_to():
     assert "mu(0) = 0" in str(ss.pure_slip_damping("0.3*tanh(v/1e-3)*exp(-v)", V=0.5, N=1, m=1, k=1))
     assert "mu(0) = 0" not in str(ss.pure_slip_damping("0.3*exp(-v)", V=0.5, N=1, m=1, k=1))
+
+
+@sample(1)
+@pytest.mark.parametrize(
+    "rise", ["0.2/(1 + log(v/0.1)^2)", "0.2*(v/0.1)^0.3*exp(-v/0.1)", "0.4*(v/0.1)^0.1*exp(-v/0.1)"]
+)
+def test_friction_that_rises_at_rest_faster_than_any_line(rise):
+    """Slip reversed in time is that by the law upside down: there steps at rest are explicit, here implicit."""
+    point = {"V": 0.2, "N": 10.0, "m": 1.0, "k": 100.0}
+    up, down = (
+        ss.pure_slip_damping(f"0.3 {sign} {rise}", **point, method="simulation", rtol=1e-9) for sign in "+-"
+    )
+    assert abs(up.value + down.value) <= up.error + down.error
+    assert up.relative_error < 1e-8
+    law = ss.FrictionLaw(f"0.3 + {rise}")
+    below, above = (ss.Oscillator(**point, c=up.value * (1 + side * 1e-3)) for side in (-1, 1))
+    assert ss.peak_velocity(law, below) > point["V"] >= ss.peak_velocity(law, above)
+    assert ss.stick_slip_cycle(law, below) is not None
+    assert ss.stick_slip_cycle(law, above) is None
