@@ -13,9 +13,9 @@ from stickslip_sym.cli.arguments import criteria_of, point
 from stickslip_sym.cli.options import Given, option
 from stickslip_sym.cli.output import echo_all, show_progress
 from stickslip_sym.core.aliases import Json
-from stickslip_sym.core.deadline import SECONDS_TO_DERIVE
 from stickslip_sym.core.errors import NoClosedForm
 from stickslip_sym.core.progress import steps
+from stickslip_sym.core.seconds import SECONDS_TO_DERIVE
 
 if TYPE_CHECKING:
     from stickslip_sym.formula.closed_form import ClosedForm

@@ -14,9 +14,9 @@ from stickslip_sym.cli.arguments import criteria_of, law_described
 from stickslip_sym.cli.derive import derived
 from stickslip_sym.cli.options import Given, file_option, option, pairs
 from stickslip_sym.cli.output import echo_json
-from stickslip_sym.core.deadline import SECONDS_TO_DERIVE
 from stickslip_sym.core.errors import InputError, NoClosedForm
 from stickslip_sym.core.names import suggestion
+from stickslip_sym.core.seconds import SECONDS_TO_DERIVE
 from stickslip_sym.formula.code.languages import LANGUAGES
 
 _KINDS = ("latex", *LANGUAGES, "certificate", "save")

@@ -11,8 +11,8 @@ from stickslip_sym.cli.arguments import points, reading_of
 from stickslip_sym.cli.fit import fit_file, laws_to_fit
 from stickslip_sym.cli.options import Given, option
 from stickslip_sym.cli.output import echo_all, show_progress
-from stickslip_sym.core.deadline import SECONDS_OF_PART
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.seconds import SECONDS_OF_PART
 
 _PAGE, _PAGES = "study.html", (".html", ".htm", ".xhtml")
 

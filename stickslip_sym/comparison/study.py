@@ -15,11 +15,12 @@ from typing import Any, Literal
 from stickslip_sym.comparison.compare import EXPLAINED_RTOL, Row, compare
 from stickslip_sym.comparison.decision import Decision, unmeasured_part, value_text
 from stickslip_sym.comparison.plane import CURVE_RTOL, Plane, plane
-from stickslip_sym.core.deadline import SECONDS_OF_PART, require_seconds
+from stickslip_sym.core.deadline import require_seconds
 from stickslip_sym.core.deadline import time_limit as limited
 from stickslip_sym.core.errors import InputWarning, StickSlipError
 from stickslip_sym.core.numbers import require_type
 from stickslip_sym.core.progress import StepOfWork, report_steps_to, steps
+from stickslip_sym.core.seconds import SECONDS_OF_PART
 from stickslip_sym.core.uncertain import UFloat
 from stickslip_sym.criteria.criterion import catalogue
 from stickslip_sym.formula.closed_form import ClosedForm, derive

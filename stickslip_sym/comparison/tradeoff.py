@@ -26,6 +26,7 @@ from stickslip_sym.core.numbers import SEED, Number, exact
 from stickslip_sym.core.precision import mp
 from stickslip_sym.core.progress import steps
 from stickslip_sym.core.remedies import Call, ParameterValues
+from stickslip_sym.core.seconds import SECONDS_TO_DERIVE
 from stickslip_sym.core.status import Status
 from stickslip_sym.criteria.criterion import Criterion, CriterionName, find
 from stickslip_sym.formula.closed_form import ClosedForm, derive
@@ -221,7 +222,7 @@ def _title(what: str, law: FrictionLaw, point: Mapping[str, object]) -> str:
 
 def _measure_criterion(law: FrictionLaw, criterion: Criterion, point: Mapping[str, Number]) -> Trade:
     """Measure the methods for the value of a criterion, held against the closed form in twice the digits."""
-    form = derive(law, criterion, time_limit=max(0.0, min(deadline.SECONDS_TO_DERIVE, deadline.time_left())))
+    form = derive(law, criterion, time_limit=max(0.0, min(SECONDS_TO_DERIVE, deadline.time_left())))
     # Floats are what every method gets, so that none is blamed for the rounding of the input.
     at = {name: float(exact(point[name], name)) for name in "VN"}
     numbers: dict[str, Any] = at | {name: float(value) for name, value in law.values.items()}

@@ -16,8 +16,6 @@ from stickslip_sym.core.numbers import real
 from stickslip_sym.core.remedies import Name
 
 LONGEST = 86_400.0  # seconds, a day
-SECONDS_TO_DERIVE = 120.0  # for a closed form, where SymPy's integrator searches too
-SECONDS_OF_PART = 20.0  # for a part of a study or of a page
 _end: ContextVar[float] = ContextVar("end of the time limit, of _Clock", default=math.inf)
 
 
