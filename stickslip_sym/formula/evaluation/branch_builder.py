@@ -72,6 +72,7 @@ _CONDITION = {-1: 1.5, 1: 4.0}
 _ALLOWED_UNITS = 2.75  # of eps <|g'|>, by which a formula may differ from balls
 _ALLOWED_IN_CODE = 16  # of the same, by which what is written as code may differ from the definition
 
+_WAVING = (5, 3)  # octaves beyond all scales, up to which a profile that waves for ever has a table
 _STEPS = 12  # octaves from a scale, or from a corner, within which a series begins to hold
 _MOST_DEFINITION_BITS = 5 * BITS  # for an enclosure of the definition: mu cancels by 2 bits an octave at rest
 _OCTAVES = (0.0, *(0.4 * 1.6**k for k in range(9)))
@@ -233,10 +234,10 @@ class _Builder:
         if reach == math.inf:
             direct = self._direct(last[0] if last else self.highest * 2.0**OCTAVES_BEYOND_SCALES)
         if last is None and direct is None:
-            farthest = OCTAVES_BEYOND_SCALES
-            while farthest and not self._is_tabulated(self.highest * 2.0**farthest):
-                farthest //= 8  # it may wave for ever: its table ends where few panels are enough for an octave
-            if not farthest:
+            farthest = next(
+                (k for k in (OCTAVES_BEYOND_SCALES, *_WAVING) if self._is_tabulated(self.highest * 2.0**k)), None
+            )
+            if farthest is None:
                 return Unknown(f"{self.profile} varies too often for a table, and has no series far out")
             last = self.highest * 2.0**farthest, nothing
         outer = [pair for pair in (direct, last) if pair is not None]
@@ -252,8 +253,11 @@ class _Builder:
         return Branches(starts, branches)
 
     def _is_tabulated(self, r: float) -> bool:
-        """Whether few panels are enough in the octave up to a ratio."""
-        return not isinstance(attempted(self._panels, r / 2, r, None, halvings=2), Unknown)
+        """Whether few panels are enough in the octave up to a ratio, or it is as close as waves allow."""
+        halvings = math.inf
+        if r > self.highest * 2.0 ** _WAVING[0]:
+            halvings = 2
+        return not isinstance(attempted(self._panels, r / 2, r, None, halvings), Unknown)
 
     def _powers_alone(self) -> Branches | None:
         """Return the average of a sum of whole powers of v, or of one power, by the moments of the weight."""

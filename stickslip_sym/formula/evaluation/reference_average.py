@@ -37,7 +37,6 @@ from stickslip_sym.numerics.chebyshev import gauss_grid, grid
 from stickslip_sym.numerics.known import Unknown, required
 from stickslip_sym.numerics.subdivide import (
     HALVE,
-    MOST_INTERVALS,
     Accept,
     Decision,
     DivisionLimits,
@@ -59,6 +58,7 @@ _PLACES = tuple(0.3 * 2.7**k for k in range(5))  # r at which a closed form is c
 _PIECE_NODES = 32  # in a piece
 _INTEGRATED = math.sqrt(NEGLIGIBLE)  # in the innermost panel, where the rule alone counts: it has twice the order
 _BITS_OF_CLOSED_FORM = -math.log2(NEGLIGIBLE)  # bits of relative accuracy that a value of the closed form needs
+_MOST_PIECES_AN_OCTAVE = 80  # a value takes all of them, and a table takes thousands of values
 _MOST_WORK = 20_000  # pieces that all values may take, for each kink: some seconds; balls give single values then
 _QUARTERS = 5  # halvings of a piece for balls that bound its slope: with 3 a narrow bump takes thrice the time
 _ORDER = 8  # of a power series that bounds it, where terms cancel
@@ -274,7 +274,7 @@ class ReferenceAverage:
         def look(intervals: Sequence[Interval[arb, None]]) -> list[Decision[_Piece, None]]:
             return [self._polynomial(one.low, one.high, below) for one in intervals]
 
-        limits = DivisionLimits(WorkBudget(MOST_INTERVALS))
+        limits = DivisionLimits(WorkBudget(_MOST_PIECES_AN_OCTAVE))
         return subdivide([(low, high)], look, limits=limits, cut=exact_middle, to_first_open=True).complete()
 
     def _polynomial(self, low: arb, high: arb, below: arb) -> Decision[_Piece, None]:

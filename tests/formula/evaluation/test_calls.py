@@ -212,3 +212,8 @@ def test_the_gate_says_what_it_compared():
     v, V = ss.symbols.v, ss.symbols.V
     verdict = verify(v**2, ss.criteria.catalogue["least_squares"], -2 * V)
     assert verdict.evidence == "agrees with enclosures to 30 digits at 12 random points"
+
+
+def test_a_wave_has_a_table_as_far_as_it_waves_seldom():
+    wave = ss.slope_average("0.3 + 0.02*sin(v)", "harmonic").functions[0]
+    assert not isinstance(wave.branches(), Unknown)
