@@ -226,7 +226,7 @@ def integrated(integrand: BallFunction, low: acb, high: acb, **bounds: Any) -> a
     An exception in the integrand must not pass through Arb, which goes on calling with the exception pending. It
     is kept and raised afterwards, and the rest of the integrand counts as 0, so that Arb ends at once.
 
-    - `bounds`: on Arb's work, as `abs_tol`.
+    - `bounds`: on Arb's work, as `eval_limit`.
     """
     failures: list[BaseException] = []
 

@@ -388,7 +388,7 @@ class Campaign:
             file.writelines(json.dumps(row) + "\n" for row in rows)
 
     def look(self, *, plain: bool) -> None:
-        """Run each file of tests once, watched; in plain Python only the quickest tests of what is compiled."""
+        """Run each new file of tests once, watched; in plain Python the quickest tests of what is compiled."""
         watched = {key for uses in self._uses.values() for key in uses.functions}
         within = self._look_at_plain if plain else self._look
         in_child(lambda: with_collected(within, [], watched=watched), FOREVER)
@@ -542,8 +542,8 @@ def main() -> None:
     os.chdir(ROOT)
     campaign = Campaign(options.results.resolve(), options.seconds)
     if options.only != "table":
+        campaign.look(plain=False)
         if not any(row.get("plain") for row in campaign.rows()):
-            campaign.look(plain=False)
             campaign.look(plain=True)
         if options.only != "map":
             campaign.change(options.folders)

@@ -41,6 +41,7 @@ _STRICT = (sp.StrictLessThan, sp.StrictGreaterThan)
 _BINDING = (sp.Integral, sp.Sum, sp.Product, sp.Derivative, sp.Subs, sp.Limit, sp.Lambda)
 _BITS_OF_VALUE = math.ceil((DIGITS_OF_EQUALITY + 3) * math.log2(10))  # bits of a value that are enough
 MOST_PROOF_BITS = 784  # of working precision
+_MOST_INTEGRAND_VALUES = 3000  # of an integrand, before its integral counts as unknown, as that over a pole does
 
 
 @dataclass(frozen=True)
@@ -281,5 +282,5 @@ def _ball_of_integral(integral: Expr) -> acb:
             ends = [start, *(kink for kink in kinks_at(f, {}) if start < kink < end), end]
             for piece, (left, right) in zip(smooth_pieces(f, {}, ends), pairwise(ends), strict=True):
                 integrand = ball_function(piece, symbols.v, {})
-                total += integrated(integrand, ball(left), ball(right))
+                total += integrated(integrand, ball(left), ball(right), eval_limit=_MOST_INTEGRAND_VALUES)
     return total if limits[0] == low else -total
