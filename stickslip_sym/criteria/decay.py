@@ -13,6 +13,7 @@ from flint import acb, arb
 from stickslip_sym.core import symbols
 from stickslip_sym.core.aliases import Expr, Substitution
 from stickslip_sym.core.balls import Point, ball_value, number_at
+from stickslip_sym.model.expression.letters import substitute_numbers
 from stickslip_sym.model.formula_algebra import NotAnalytic
 from stickslip_sym.model.leading_terms import LeadingTerms, Order, ask_leading_terms
 from stickslip_sym.numerics.known import Unknown
@@ -107,7 +108,7 @@ def _superpolynomial_decay(exponential: Expr, point: Substitution) -> Decay | No
         return None
     first = _largest_at_rest(known)
     falls = number_at(known[first], point) < 0 and (first[0] < 0 or (first[0] == 0 and first[1] > 1))
-    return Decay({order: c.xreplace(dict(point)) for order, c in known.items()}) if falls else None
+    return Decay({order: substitute_numbers(c, point) for order, c in known.items()}) if falls else None
 
 
 def _superpolynomial_decays(mu: Expr, point: Substitution) -> list[Decay]:

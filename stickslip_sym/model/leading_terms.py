@@ -24,6 +24,7 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.core.functions import FUNCTIONS, Function, elementary, fold, power, write_erfcx
 from stickslip_sym.core.numbers import NUMBER_BITS
 from stickslip_sym.core.special import Erfcx
+from stickslip_sym.model.expression.letters import substitute_numbers
 from stickslip_sym.model.expression.pieces import kinked
 from stickslip_sym.model.formula_algebra import RECIPROCALS, FormulaAlgebra, NotAnalytic, is_multiplied_out
 from stickslip_sym.numerics.known import Unknown
@@ -116,7 +117,7 @@ def is_zero(coefficient: Expr, point: Values) -> bool:
     if coefficient.is_Mul:
         return any(is_zero(factor, point) for factor in coefficient.args)
     if not coefficient.is_Add:
-        return bool(coefficient.xreplace(dict(point)).is_zero)
+        return bool(substitute_numbers(coefficient, dict(point)).is_zero)
     if sp.expand(coefficient) == 0:
         return True
     values = dict(point)
@@ -126,7 +127,7 @@ def is_zero(coefficient: Expr, point: Values) -> bool:
     sizes = [abs(number_at(c, values)) for c in coefficient.args]
     if total is sp.nan or abs(total) > _CANCELLED * max(sizes):
         return False
-    if total != 0 and sp.simplify(coefficient.xreplace(dict(point))) != 0:
+    if total != 0 and sp.simplify(substitute_numbers(coefficient, dict(point))) != 0:
         raise NotAnalytic(f"whether {coefficient} is 0 is not certain")
     return True
 

@@ -36,10 +36,12 @@ CHEAP = [seed for seed in ALWAYS if seed not in (6, 15)]  # 14 and 7 are of thei
 
 
 def returns(law, osc):
-    """Whether the slip from P comes back to the belt's speed; None where that is not said."""
+    """Whether the slip from P comes back to the belt's speed; None where that is not said, or not to be seen."""
     peak = asked(ss.peak_velocity, law, osc, rtol=1e-13)
     if isinstance(peak, NoAnswer):
         return {"creeps to rest": False, "falls for ever": True}.get(peak.ending)
+    if peak == osc.V:
+        return None  # it is the belt's speed but for rounding
     return peak > osc.V
 
 

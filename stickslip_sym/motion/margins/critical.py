@@ -447,6 +447,13 @@ class _Search:
                 return speed, factor
         return None
 
+    @cached_property
+    def is_idle(self) -> bool:
+        """Whether mu' does not hold the parameter that is sought: it only shifts mu, and moves no threshold."""
+        if self.is_quantity or self.similarity is None:
+            return False
+        return not self.law.slope_expr.has(self.law.parameters[self.of].symbol)
+
     def _ratios(self, x: float) -> tuple[float, float]:
         """Return by what a value multiplies the belt's speed and the normal force; 0 where that is not known."""
         if self.similarity is None:
@@ -516,6 +523,8 @@ class _Search:
         - `sketch`: whether a small part of their distance from c is a small enough error.
         """
         known = self.sketched if sketch else self.sampled
+        if self.is_idle:
+            x = np.full_like(x, self._usual)
         new = set(x.tolist()) - known.keys()
         for _, kin in groupby(sorted(new, key=self._kin), self._kin):
             places = list(kin)
@@ -536,7 +545,7 @@ class _Search:
                 return value, SAME * points.slope_scale
             value = none.copy()
             error = np.full(len(points), np.inf)
-            if sketch and points.obstacle is None:
+            if sketch and len(points) > 1 and points.obstacle is None:
                 computed, _ = evaluate(points, methods()["second_order"], _THRESHOLD_RTOL)
                 value = computed.value
                 error = computed.relative_error * points.error_base(computed.value)
