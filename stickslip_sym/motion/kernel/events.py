@@ -2,9 +2,10 @@
 
 import math
 
+from stickslip_sym.core.numbers import EPSILON
 from stickslip_sym.motion.compiled import compilable, inlined
 from stickslip_sym.motion.kernel.forces import bend_at, rate_at, wedge_terms
-from stickslip_sym.motion.kernel.slip_data import ULP, Branch, Field, SlipEnd, SlipState, Trial, Wedge
+from stickslip_sym.motion.kernel.slip_data import Branch, Field, SlipEnd, SlipState, Trial, Wedge
 from stickslip_sym.motion.kernel.steps import stepped
 
 _GUESSES = 20  # steps of Newton's method, after which a bracket is halved
@@ -91,7 +92,7 @@ def _located(
             shift -= 0.5 * shift * shift * bend / trial.rate
         if abs(shift) <= (_OFF if turns else close) and (value == 0.0 or change != 0.0):
             return _moved(branch, field, trial, shift, bend, wedge)
-        if high - low <= 4.0 * ULP * h:
+        if high - low <= 4.0 * EPSILON * h:
             return trial
         length += shift
 

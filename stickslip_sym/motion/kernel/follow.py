@@ -3,6 +3,7 @@
 import math
 
 from stickslip_sym.core.deadline import is_late
+from stickslip_sym.core.numbers import EPSILON
 from stickslip_sym.model.table import Rise
 from stickslip_sym.motion.compiled import compilable, inlined
 from stickslip_sym.motion.kernel.creeping import creeps
@@ -19,7 +20,6 @@ from stickslip_sym.motion.kernel.forces import (
 from stickslip_sym.motion.kernel.slip_data import (
     ACCURATE_STEP,
     PRECISE,
-    ULP,
     Branch,
     Extent,
     Field,
@@ -347,7 +347,7 @@ def _is_beside_rest(rise: Rise, field: Field, state: SlipState, rising: bool, rt
         lifted = below
     rest = damping - push + lifted
     fastest = max(abs(faster), abs(slower))
-    noise = ULP * max(max(abs(push), abs(lifted)), max(abs(rest), abs(damping)))
+    noise = EPSILON * max(max(abs(push), abs(lifted)), max(abs(rest), abs(damping)))
     if fastest > _STIFF_DECAY:  # of implicit steps
         noise *= AMPLIFIED / fastest
     close = _REST_WITHIN * (rtol + noise)
@@ -367,7 +367,7 @@ def _place_on_jump(rise: Rise, field: Field, state: SlipState, rising: bool, wed
     """
     below = rising
     q = field.damping - field.push + field.eta * standing(rise.pieces, not below)
-    rate = ULP if rising else -ULP
+    rate = EPSILON if rising else -EPSILON
     change = wedge.constant + wedge.linear
     if wedge.factor != 0.0:
         change += wedge.factor * standing(wedge.pieces, not below)

@@ -3,9 +3,10 @@
 import math
 from typing import Any
 
+from stickslip_sym.core.numbers import EPSILON
 from stickslip_sym.model.table import Pieces, Rise
 from stickslip_sym.motion.compiled import compilable, inlined
-from stickslip_sym.motion.kernel.slip_data import ULP, Branch, Field, Wedge
+from stickslip_sym.motion.kernel.slip_data import Branch, Field, Wedge
 
 _CONTINUED_HALF_WIDTHS = 4.0  # half-widths of an interval from its middle, up to which a polynomial is continued
 _BEYOND_SQUARED = _CONTINUED_HALF_WIDTHS * _CONTINUED_HALF_WIDTHS
@@ -117,6 +118,6 @@ def wedge_terms(branch: Branch, field: Field, wedge: Wedge, w: float) -> tuple[f
         # On this segment also where w is at its end, and another one begins.
         inside = max(w, pieces[first][0])
         if last + 1 < len(pieces):
-            inside = min(inside, pieces[last + 1][0] * (1.0 - ULP))
+            inside = min(inside, pieces[last + 1][0] * (1.0 - EPSILON))
         push += factor * rise_at(Branch(own, 0, len(own) - 1, 0), inside)
     return -eta * slope_at(branch, w) - damping, (1.0 - side * w) * push

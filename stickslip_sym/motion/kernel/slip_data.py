@@ -189,4 +189,3 @@ LONGEST_STEP = 0.25
 """Explicit: its stages meet whatever a table does not part; at twice that what it is off shows in thresholds."""
 ACCURATE_STEP = 3.0
 """Times rtol^(1/8): the length of a step at which errors are of the size of the tolerance."""
-ULP = 2.0**-52

@@ -4,9 +4,10 @@ import math
 
 from scipy.integrate import DOP853
 
+from stickslip_sym.core.numbers import EPSILON
 from stickslip_sym.motion.compiled import compilable, inlined
 from stickslip_sym.motion.kernel.forces import rate_at, rise_at, slope_at, wedge_terms
-from stickslip_sym.motion.kernel.slip_data import ULP, Branch, Field, SlipState, Trial, Wedge
+from stickslip_sym.motion.kernel.slip_data import Branch, Field, SlipState, Trial, Wedge
 
 _SMALL = 0.01  # states below count as that large in an error: less than order 1, since events are where w is 0
 SHORTEST = 1e-14  # length of a step, over max(tau, 1), that is not made shorter
@@ -144,7 +145,7 @@ def _implicit(branch: Branch, field: Field, state: SlipState, h: float, rtol: fl
     of_D = [0.0] * _EXTRAPOLATION_ROWS
     error = 0.0
     # No step is more accurate than the rounding of w', which the decay divides and the extrapolation multiplies.
-    rounding = AMPLIFIED * ULP
+    rounding = AMPLIFIED * EPSILON
     terms = max(max(abs(push), abs(eta * rise_at(branch, w))), max(abs(q), abs(damping * w)))
     least_q = rounding * abs(q)
     least_w = rounding * (terms / max(abs(decay), 1.0) + abs(w))
@@ -203,6 +204,6 @@ def _euler(branch: Branch, field: Field, q: float, w: float, s: float) -> float:
         y += off / (1.0 + s * (eta * slope_at(branch, y) + damping) + s * s)
         if not min(low, high) <= y <= max(low, high):
             y = 0.5 * (low + high)
-        if abs(y - before) <= ULP * abs(y):
+        if abs(y - before) <= EPSILON * abs(y):
             break
     return y

@@ -28,7 +28,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.kernel.slip_data import ADDED, SlipEnd
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.orbits.damping import NEAREST, needed_damping_at, resolve_together
+from stickslip_sym.motion.orbits.damping import DAMPING_RTOL, NEAREST, needed_damping_at, resolve_together
 from stickslip_sym.motion.orbits.needed import SIGNS, SearchEnd, search_damping_ratios
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS, Signs
 from stickslip_sym.motion.regimes.classification import classify
@@ -44,8 +44,6 @@ CURVES = ("equilibrium", "least_squares", "exact")
 
 _ROUNDS_RTOL = 1e-7  # tolerance of the steps along which rounds are resolved; what they leave open is followed
 _CONFIRMED = 100  # cells, of which one is decided by following motions too
-_CRITICAL_RATIO_RTOL = 1e-9
-"""Relative error of the damping ratio that is critical for P: a tenth of the finest `rtol`."""
 _INWARD = 3  # rounds that many cells are followed for, from where cycles that overtake may be, on the way in
 
 
@@ -148,7 +146,7 @@ class _Decider:
         eta, oscillator = np.unique(self.eta, return_inverse=True)
         orbits = eta, eta * (self.table.static - self.table.onset), np.ones(eta.size)
         rows = np.empty((eta.size, 5))
-        self.system.spread(search_damping_ratios, orbits, (_CRITICAL_RATIO_RTOL,), rows, few=0)
+        self.system.spread(search_damping_ratios, orbits, (DAMPING_RTOL,), rows, few=0)
         check_time()
         end, *ratios = rows[oscillator, :3].T
         self.exact, self.error = np.where(end == SearchEnd.CLOSED, ratios, math.nan)

@@ -27,7 +27,7 @@ from stickslip_sym.core import deadline, symbols
 from stickslip_sym.core.aliases import BoolArray, Expr, FloatArray
 from stickslip_sym.core.errors import NO_RESULT, InputError, NotConverged
 from stickslip_sym.core.names import lookup
-from stickslip_sym.core.numbers import ROUNDING, SAME, read_array, read_rtol, real
+from stickslip_sym.core.numbers import LEAST_RTOL, ROUNDING, SAME, read_array, read_rtol, real
 from stickslip_sym.core.quantity import QuantityResult
 from stickslip_sym.core.remedies import Argument
 from stickslip_sym.core.units import si_number
@@ -37,7 +37,7 @@ from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.kernel.slip_data import TIGHT, SlipEnd
-from stickslip_sym.motion.orbits.damping import quick_speeds
+from stickslip_sym.motion.orbits.damping import OF_ORBITS, quick_speeds
 from stickslip_sym.motion.orbits.needed import SIGNS, STRONG, orbit_damping_ratio, velocity_mismatch_at
 from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.motion.thresholds.averages import fast_average, resolved_gauss_average
@@ -64,7 +64,6 @@ _AROUND = 100.0  # factor above and below a parameter's value within which it is
 _WITHIN = Argument("within", ("low", "high"))
 _FEW_THRESHOLDS = 60  # thresholds by slips, up to which compiled code is not worth loading,
 _COST_OF_STRONG = 8  # and as how many of them one counts where friction is strong
-_THRESHOLD_RTOL = 1e-8  # relative error of thresholds, and of polynomials through them
 _DIGITS_OF_KEY = 12  # of N/(V sqrt(k m)), by which one value is known from others
 _DISTANT = 1e-3  # of its distance from c, error of a threshold that suffices,
 _ROUGH_RTOL = 1e-4  # or of itself: rougher ones are mostly asked for again
@@ -75,7 +74,6 @@ _BRACKET_RATIO = 8.0  # times, by which the bracket about a root grows
 _ROOT_RTOL_RATIO = 1e-3  # of rtol, the relative error of a threshold at a root
 _SMALL_NEWTON_STEP = 1e-2
 """Of the distance to where a threshold turns, a step of Newton's method that is a small one."""
-_MEETS = 1e-13  # relative, of the argument at which the orbit that grazes comes to a slip speed
 _FLAT = math.sqrt(SIGNS)  # relative, whose square is nothing: distance of an extremum or an edge, step of Newton's
 
 
@@ -546,7 +544,7 @@ class _Search:
             value = none.copy()
             error = np.full(len(points), np.inf)
             if sketch and len(points) > 1 and points.obstacle is None:
-                computed, _ = evaluate(points, methods()["second_order"], _THRESHOLD_RTOL)
+                computed, _ = evaluate(points, methods()["second_order"], OF_ORBITS)
                 value = computed.value
                 error = computed.relative_error * points.error_base(computed.value)
             far = ~(error <= _DISTANT * np.abs(value - self.c))
@@ -573,7 +571,7 @@ class _Search:
                 return math.nan, math.nan
             zeta, error = ratio
         else:
-            zeta, error = orbit_damping_ratio(system, rtol=_THRESHOLD_RTOL, fast=fast)
+            zeta, error = orbit_damping_ratio(system, rtol=OF_ORBITS, fast=fast)
         return zeta * unit, error * unit
 
     # -- where to look -----------------------------------------------------------------------------
@@ -644,7 +642,7 @@ class _Search:
         if not self.converges:
             most = _MOST_AVERAGES
             first = value  # averages have no digits to save
-        resolved = [resolve(value, part, rtol=_THRESHOLD_RTOL, most=most, sketch=first) for part in parts]
+        resolved = [resolve(value, part, rtol=OF_ORBITS, most=most, sketch=first) for part in parts]
         self._refuse_constant()
 
         results = list[Critical]()
@@ -731,7 +729,7 @@ class _Search:
                         return self._quick(scale.value(u)).distance(side, i)
 
                     if before.distance(side, i) * after.distance(side, i) < 0:
-                        edges.add(float(brentq(off, low, high, xtol=_MEETS * max(abs(low), abs(high)))))
+                        edges.add(float(brentq(off, low, high, xtol=LEAST_RTOL * max(abs(low), abs(high)))))
         return sorted(edges)
 
     def _quick(self, x: float) -> _QuickSpeeds:
@@ -749,7 +747,7 @@ class _Search:
         if not self.converges:
             return 2 * float(points.V[0])
         system = NondimensionalOscillator.of(points.bound, points.oscillator(0))
-        zeta, _ = orbit_damping_ratio(system, rtol=_THRESHOLD_RTOL)
+        zeta, _ = orbit_damping_ratio(system, rtol=OF_ORBITS)
         slip = replace(system, zeta=zeta).slip(0.0, 0.0, until=SlipEnd.MAXIMUM, rtol=TIGHT)
         return math.inf if slip.end is SlipEnd.OUTSIDE else system.V * slip.u_most
 

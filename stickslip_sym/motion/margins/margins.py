@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip_sym.core import deadline
 from stickslip_sym.core.errors import NO_RESULT, InputError, OutOfTime, StickSlipError
-from stickslip_sym.core.numbers import SAME, real, require_type
+from stickslip_sym.core.numbers import SAME, SEED, real, require_type
 from stickslip_sym.core.progress import steps
 from stickslip_sym.core.uncertain import UFloat, split
 from stickslip_sym.criteria.criterion import Criterion
@@ -25,8 +25,6 @@ from stickslip_sym.motion.thresholds.uncertainty import standard_errors
 from stickslip_sym.numerics.known import Unknown
 from stickslip_sym.output.data import DataResult, TableResult, columns_of
 from stickslip_sym.output.shown import Report, views_of
-
-_SEED = 20160428  # of the samples
 
 
 @dataclass(frozen=True)
@@ -277,7 +275,7 @@ def _probabilities(
         return probability, None
     names, covariance = standard_errors(threshold.points)
     (method,) = threshold.used.values()
-    rng = np.random.default_rng(_SEED)
+    rng = np.random.default_rng(SEED)
     off = np.full(samples, np.nan)
     for i in range(samples):
         shift = rng.multivariate_normal(np.zeros(len(names)), covariance) if names else ()
