@@ -9,10 +9,12 @@ import sympy as sp
 
 import stickslip_sym as ss
 from stickslip_sym import Status, symbols
+from stickslip_sym.core.balls import ball_function
 from stickslip_sym.core.functions import write_sech
 from stickslip_sym.core.numbers import bits
 from stickslip_sym.core.special import Lerch
 from stickslip_sym.core.symbols import V, a, b, mu, s, u
+from stickslip_sym.formula.proof import proving
 from stickslip_sym.formula.proof.normal_form import expand_above, normal_form
 from stickslip_sym.formula.proof.proving import prove_equal, prove_positive
 from stickslip_sym.formula.proof.theorems import Antiderivative, ChangeOfVariable, PieceByPiece, value_at
@@ -62,6 +64,27 @@ def test_nothing_false_is_proved_or_checked(name):
     verdict = prove_equal(lhs, rhs, by)
     assert verdict.status is (Status.ESTIMATED if name in WITHOUT_VALUE else Status.REFUTED)
     assert verdict.evidence
+
+
+def test_an_integral_without_end_is_given_up_soon(monkeypatch):
+    """Over a pole Arb would halve the range for minutes, at every precision."""
+    asked = 0
+
+    def counted(*arguments):
+        integrand = ball_function(*arguments)
+
+        def count(z, analytic):
+            nonlocal asked
+            asked += 1
+            assert asked < 500_000, "it is not given up"
+            return integrand(z, analytic)
+
+        return count
+
+    monkeypatch.setattr(proving, "ball_function", counted)
+    lhs, rhs, by = FALSE["a pole inside"]
+    assert prove_equal(lhs, rhs, by).status is Status.ESTIMATED
+    assert asked > 1000
 
 
 def test_unsuited_variables_prove_nothing():
