@@ -42,9 +42,10 @@ def read_bytes(path: Path, most: int = _MOST_BYTES) -> bytes:
     name = repr(str(path))
     try:
         with open(path, "rb", opener=_open_without_waiting) as stream:
-            is_regular = stat.S_ISREG(os.fstat(stream.fileno()).st_mode)
+            status = os.fstat(stream.fileno())
+            is_regular = stat.S_ISREG(status.st_mode)
             content = b""
-            if is_regular:
+            if is_regular and status.st_size <= most:
                 content = stream.read(most + 1)
     except OSError as error:
         raise InputError(f"cannot read {name}: {error.strerror or error}") from None
@@ -52,7 +53,7 @@ def read_bytes(path: Path, most: int = _MOST_BYTES) -> bytes:
         raise InputError(f"cannot read {name}: {error}") from None
     if not is_regular:
         raise InputError(f"cannot read {name}: it is no regular file; save its content in one")
-    if len(content) > most:
+    if max(status.st_size, len(content)) > most:
         raise InputError(f"{name} has over {most} bytes; nothing that is read here is as long")
     return content
 

@@ -1,5 +1,6 @@
 """How noise is correlated from row to row, and how finely coefficients are written."""
 
+import math
 from statistics import NormalDist
 
 import numpy as np
@@ -10,8 +11,8 @@ from stickslip_sym.core.probabilities import UNLIKELY
 
 _LAGS = 4  # rows apart, up to which noise may be correlated: as many sweeps may be interleaved
 _ROWS_OF_A_LAG = 8  # of fewer for each lag, a partial correlation that is noise counts most rows away
-_MOST_ROUNDED_DECIMALS = 9  # of coefficients that were rounded; more are those of a computation
 SAME_COEFFICIENT = 1e-6  # of the largest coefficient, by which two may differ that are one
+_DECIMALS_OF_SAME = -round(math.log10(SAME))  # with so many decimals any coefficient is the one that is written
 _MOST_CORRELATED = 0.95  # beyond it the rows are too few to tell noise from a trend
 _CORRELATED = NormalDist().inv_cdf(1 - UNLIKELY / _LAGS)
 """Standard deviations of a partial correlation, beyond which white noise seldom has one of so many lags."""
@@ -43,7 +44,7 @@ def correlation_of(e: FloatArray, k: int) -> tuple[float, float, int]:
 
 def last_decimal(mu: FloatArray) -> float:
     """Return the size of the last decimal that coefficients are written with; 0 if they were computed."""
-    for decimals in range(1, _MOST_ROUNDED_DECIMALS + 1):
+    for decimals in range(1, _DECIMALS_OF_SAME):
         if np.abs(mu - mu.round(decimals)).max() <= SAME:
             return float(10.0**-decimals)
     return 0.0

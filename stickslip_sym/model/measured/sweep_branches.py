@@ -11,9 +11,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.special import chdtri
 
 from stickslip_sym.core.aliases import FloatArray, IntArray
 from stickslip_sym.core.numbers import ROOT_OF_ROUNDING
+from stickslip_sym.core.probabilities import VERY_UNLIKELY
 from stickslip_sym.core.uncertain import text_with_error
 from stickslip_sym.model.measured.noise import SAME_COEFFICIENT, correlation_of
 
@@ -25,14 +27,11 @@ _RELATIVE_DWELL_WIDTH = 0.02  # relative: rows this near to a turn's speed dwell
 _FEWEST_SPEEDS_OF_BRANCH = 4  # speeds of a branch; rows in random order turn after one or two
 _IN_ORDER = 0.8  # share of the rows that belong to such branches where speeds were swept
 ROWS_TO_SAMPLE = 10_000  # rows, that tell of more what they are like: a curve to a hundredth of their noise
-_STRETCHES = 20  # in which so many are looked at for their order
-_PASSED = 64  # rows that are looked at together for a turn
 _MOST_HYSTERESIS_DEGREE = 4  # degree of the hysteresis in the share of rows below a speed
 _MOST_COLUMNS = 30  # of the smooth curve, one for `_ROWS_A_COLUMN` rows
 _ROWS_A_COLUMN = 6
-_COST = 2.0  # times log(n): the fall of n log(sum of squares) that a term is worth; noise does that once in 300
+_WORTH_A_TERM = float(chdtri(1, VERY_UNLIKELY))  # fall of n log(sum of squares), which noise shows very seldom
 FEW = 0.05  # share of the rows, of which less does not matter
-_LEAST_SHARE_OF_TERM = 1e-2  # least part of a term that no smooth curve of the speed is, for it to be told apart
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +106,9 @@ def sweep_branches_of(
         return None
     names = list[str]()
     columns = list[FloatArray]()
-    if direction is not None and both:
+    if (
+        direction is not None and both and np.less_equal(*_shared_speeds(v, direction))
+    ):  # elsewhere a curve does it
         names.append("offset")
         columns.append(direction.astype(np.float64))
     if rising:
@@ -130,7 +131,7 @@ def sweep_branches_of(
     terms = weights[:, None] * np.array(columns).T
     left = beside(terms)
     y = beside(weights * mu)
-    apart = np.linalg.norm(left, axis=0) > _LEAST_SHARE_OF_TERM * np.linalg.norm(terms, axis=0)
+    apart = np.linalg.norm(left, axis=0) > ROOT_OF_ROUNDING * np.linalg.norm(terms, axis=0)
     n = len(v) - curve.shape[1]
     best = math.inf
     chosen = list[int]()
@@ -146,7 +147,7 @@ def sweep_branches_of(
         if not apart[tried].all():
             continue
         rest = y - left[:, tried] @ np.linalg.lstsq(left[:, tried], y, rcond=None)[0]
-        score = n / alike * math.log(max(float(rest @ rest), floor)) + _COST * len(tried) * math.log(n)
+        score = n / alike * math.log(max(float(rest @ rest), floor)) + _WORTH_A_TERM * len(tried)
         if score < best:
             best = score
             chosen = tried
@@ -212,8 +213,8 @@ def _is_shuffled(v: FloatArray) -> bool:
     """Return whether many rows are in random order, as stretches of them tell: most branches have too few rows."""
     if len(v) <= ROWS_TO_SAMPLE:
         return False
-    rows = ROWS_TO_SAMPLE // _STRETCHES
-    stretches = np.linspace(0, len(v) - rows, _STRETCHES).astype(int)
+    rows = math.isqrt(ROWS_TO_SAMPLE)  # in as many stretches
+    stretches = np.linspace(0, len(v) - rows, rows).astype(int)
     turns = sum(len(_turns(v[first : first + rows], float(np.ptp(v)))) for first in stretches)
     # Branches for a row, if enough rows are on branches of enough rows.
     most = 1 / _FEWEST_SPEEDS_OF_BRANCH + 1 - _IN_ORDER
@@ -221,51 +222,32 @@ def _is_shuffled(v: FloatArray) -> bool:
 
 
 def _turns(v: FloatArray, span: float | None = None) -> list[int]:
-    """Return the rows with which new branches begin; a dwell at a turn is halved.
-
-    Rows in which nothing can turn are passed by as a whole: those whose range, and what stands out, is too small.
-    """
+    """Return the rows with which new branches begin; a dwell at a turn is halved."""
     least = _SHARE_OF_TURN * (float(np.ptp(v)) if span is None else span)
     turns = list[int]()
     way = 0
     low = 0
     high = 0
-    for first in range(0, len(v), _PASSED):
-        block = v[first : first + _PASSED]
-        below = int(np.argmin(block))
-        above = int(np.argmax(block))
-        least_speed = float(block[below])
-        most_speed = float(block[above])
-        falls = way >= 0 and max(v[high], most_speed) - least_speed > least
-        rises = way <= 0 and most_speed - min(v[low], least_speed) > least
-        if not (falls or rises):
-            if least_speed < v[low]:
-                low = first + below
-            if most_speed > v[high]:
-                high = first + above
-            continue
-        speeds = v[first : first + _PASSED].tolist()
-        lowest = float(v[low])
-        highest = float(v[high])
-        for i, speed in enumerate(speeds, first):
-            if speed < lowest:
-                low = i
-                lowest = speed
-            if speed > highest:
-                high = i
-                highest = speed
-            if way >= 0 and highest - speed > least:
-                if way:
-                    turns += [high]
-                way = -1
-                low = i
-                lowest = speed
-            elif way <= 0 and speed - lowest > least:
-                if way:
-                    turns += [low]
-                way = 1
-                high = i
-                highest = speed
+    lowest = highest = float(v[0])
+    for i, speed in enumerate(v.tolist()):
+        if speed < lowest:
+            low = i
+            lowest = speed
+        if speed > highest:
+            high = i
+            highest = speed
+        if way >= 0 and highest - speed > least:
+            if way:
+                turns += [high]
+            way = -1
+            low = i
+            lowest = speed
+        elif way <= 0 and speed - lowest > least:
+            if way:
+                turns += [low]
+            way = 1
+            high = i
+            highest = speed
     middles = []
     for turn in turns:
         first = last = turn
@@ -298,11 +280,9 @@ def splines(v: FloatArray) -> "csr_array":
 
 def _branch_terms(v: FloatArray, sweep: IntArray) -> list[FloatArray]:
     """Return polynomials of the speed, where both branches reach it, and held beyond, as half of a difference."""
-    up = v[sweep > 0]
-    down = v[sweep < 0]
     low, high = _shared_speeds(v, sweep)
-    shared = [int(((speeds >= low) & (speeds <= high)).sum()) for speeds in (up, down)]
-    if low >= high or min(shared) < _FEWEST_SPEEDS_OF_BRANCH:
+    shared = [sweep[(v >= low) & (v <= high)] == way for way in (1, -1)]
+    if low >= high or min(map(np.sum, shared)) < _FEWEST_SPEEDS_OF_BRANCH:
         return []
     knots = _knots(v)  # the polynomials are as fine as the rows are dense
     share = np.interp(np.clip(v, low, high), knots, np.linspace(0, 1, len(knots)))
@@ -310,10 +290,10 @@ def _branch_terms(v: FloatArray, sweep: IntArray) -> list[FloatArray]:
     return list(np.polynomial.legendre.legvander(x, _MOST_HYSTERESIS_DEGREE).T * sweep / 2)
 
 
-def _shared_speeds(v: FloatArray, sweep: IntArray) -> tuple[float, float]:
-    """Return the lowest and the highest speed that both kinds of branches reach."""
-    up = v[sweep > 0]
-    down = v[sweep < 0]
+def _shared_speeds(v: FloatArray, side: IntArray) -> tuple[float, float]:
+    """Return the lowest and the highest speed that both kinds of branches, or both directions, reach."""
+    up = v[side > 0]
+    down = v[side < 0]
     return float(max(up[0], down[0])), float(min(up[-1], down[-1]))
 
 

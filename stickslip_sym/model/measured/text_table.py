@@ -9,7 +9,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from decimal import Decimal, DefaultContext, localcontext
 from fractions import Fraction
-from itertools import pairwise, repeat
+from io import BytesIO
+from itertools import islice, pairwise, repeat
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
@@ -24,6 +25,7 @@ from stickslip_sym.model.measured.columns import EXPECTED, HeaderColumn, choose_
 from stickslip_sym.model.measured.plain import OVERFLOW, lines_before, plain_numbers
 from stickslip_sym.model.measured.preamble import WrittenRadius, written_radius
 from stickslip_sym.model.measured.proposals import proposed
+from stickslip_sym.model.measured.sweep_branches import ROWS_TO_SAMPLE
 from stickslip_sym.model.measured.written_values import is_value, split_values
 from stickslip_sym.output.files import read_bytes
 
@@ -33,8 +35,6 @@ _PARTED = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "bl
 MOST_ROWS = 1_000_000  # of a file; a longer one is refused before its numbers are read
 _MOST_FILE_BYTES = 200 * MOST_ROWS  # bytes of a file: those of a row with a dozen columns
 _MOST_LINE_CHARACTERS = 10_000  # characters of a line
-_HEAD = 50_000  # bytes, in which the header of a file of many rows stands
-_BYTES_WORTH_PLAIN = 10 * _HEAD  # of a file that is worth reading as a whole, if its numbers are plain
 _LOOKED_AT = 400  # lines, of which most look alike: enough to tell how a file is written
 _COMMENT = re.compile(r"^\s*([#%!]|//)\s*")
 _AROUND_ERROR = re.compile(r" *(±|\+/-) *")
@@ -229,7 +229,8 @@ def read_table(
     name = repr(str(path))
     content = read_bytes(path, _MOST_FILE_BYTES)
     how = _How(chosen, radius, None, leave_out)
-    if len(content) > _BYTES_WORTH_PLAIN and not block and (plain := _plain_table(content, name, how)) is not None:
+    many = content.count(b"\n") > ROWS_TO_SAMPLE
+    if many and not block and (plain := _plain_table(content, name, how)) is not None:
         return plain
     lines = _filled_lines(_decoded(content, name), name)
     parts = _blocks_of_file(lines, _layout_of_chosen(lines, name) if chosen else _layout(lines, name), name)
@@ -277,7 +278,7 @@ def _filled_lines(text: str, name: str) -> list[_Line]:
 def _plain_table(content: bytes, name: str, how: "_How") -> Table | None:
     """Return the columns of a long file of plain numbers; None where its cells are to be looked at one by one."""
     try:
-        head = content[: content.rindex(b"\n", 0, _HEAD) + 1].decode()
+        head = b"".join(islice(BytesIO(content), _LOOKED_AT)).decode()
         lines = _filled_lines(head, name)
         (part,) = _blocks_of_file(
             lines, _layout_of_chosen(lines, name) if how.chosen else _layout(lines, name), name

@@ -94,7 +94,7 @@ def test_a_track_is_no_longer_than_a_room(tmp_path, radius, is_taken):
 
 @pytest.mark.parametrize(("decimals", "last"), [(6, 1e-6), (13, 0.0)])
 def test_long_decimals_were_computed(decimals, last):
-    assert last_decimal(LAW.mu(V).round(decimals)) == pytest.approx(last)
+    assert last_decimal(LAW.mu(V).round(decimals)) == pytest.approx(last, abs=0)
 
 
 def test_noise_is_correlated_up_to_four_rows_apart():
@@ -357,3 +357,131 @@ def test_a_line_is_no_file(tmp_path, length, is_read):
     else:
         with pytest.raises(ss.InputError, match="a row is a line of its own"):
             ss.read_measurements(path)
+
+
+# -- coarse digits, heavy tails ----------------------------------------------------------------------
+
+
+def test_noise_of_a_few_last_decimals_says_nothing_of_its_tails():
+    """The median of normal noise of 1.5 decimals is 1 decimal, and half of its rows seem far off."""
+    v = np.linspace(0.05, 1, 4000)
+    rngs = [np.random.default_rng(seed) for seed in range(24)]
+    coarse = [have_heavy_tails(v, (LAW.mu(v) + 1.5e-3 * rng.normal(size=len(v))).round(3)) for rng in rngs]
+    fine = [have_heavy_tails(v, (LAW.mu(v) + 4e-3 * rng.standard_t(3.5, size=len(v))).round(3)) for rng in rngs]
+    assert not any(coarse)
+    assert sum(fine) > 20
+
+
+def test_huber_weights_have_settled():
+    """With them, the curve leaves residuals that ask for the same weights."""
+    v = np.linspace(0.05, 1, 450)
+    y = LAW.mu(v) + 0.004 * np.random.default_rng(3).standard_t(2.5, size=len(v))
+    weights = heavy_tails.huber_weights(v, y)
+    columns = sweep_branches.splines(v).toarray() * np.sqrt(weights)[:, None]
+    factors = np.linalg.lstsq(columns, np.sqrt(weights) * y, rcond=None)[0]
+    left = y - sweep_branches.splines(v) @ factors
+    assert heavy_tails._weights_of(left) == pytest.approx(weights, abs=1e-5)
+
+
+@pytest.mark.parametrize(("off", "is_outlier"), [(0.23, False), (0.7, True)])
+def test_mu_may_rise_some_times_at_the_lowest_speed(off, is_outlier):
+    """Above what follows, 0.1, by 2.3 or by 7 times that."""
+    y = np.full(12, 0.1)
+    y[0] += off
+    assert _outliers(np.linspace(0.1, 1, 12), y)[0] == is_outlier
+
+
+@pytest.mark.parametrize(
+    ("speeds", "is_outlier"),
+    [
+        (np.geomspace(1, 128, 8), True),  # as far as such speeds are apart
+        ([*range(1, 11), 18], False),  # four times as far as three before it, alone
+        ([*range(10, 101, 10), 100.1, 100.2, 100.3, 115], True),  # no farther than others
+        ([*range(10, 101, 10), 100.1, 100.2, 100.3, 150], False),
+    ],
+)  # fmt: skip
+def test_a_row_far_from_others_is_no_outlier(speeds, is_outlier):
+    y = np.full(len(speeds), 0.4)
+    y[-1] = 0.9
+    assert _outliers(np.asarray(speeds, dtype=float), y)[-1] == is_outlier
+
+
+# -- branches ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("gap", "differ"), [(3e-7, False), (3e-6, True)])
+def test_branches_that_differ_by_a_millionth_are_alike(gap, differ):
+    """Of the largest coefficient; without noise."""
+    v = np.concatenate([np.linspace(0, 1, 40), np.linspace(1, 0, 40)])
+    assert branches_of(v, np.ones(80) + gap / 2 * np.repeat([1, -1], 40)).differ == differ
+
+
+def test_hysteresis_is_followed_as_a_polynomial_of_low_degree():
+    v = np.concatenate([np.linspace(0, 1, 200), np.linspace(1, 0, 200)])
+    gap = np.repeat([1, -1], 200) * 0.01 * np.tanh(6 * (v - 0.3))
+    mu = 0.4 + gap + 1e-4 * np.random.default_rng(1).normal(size=400)
+    assert 2 <= branches_of(v, mu).terms.shape[1] <= 5
+
+
+@pytest.mark.parametrize(("lowest", "offset"), [(0.2, 0.02), (0.2, 0.0), (1.0, 0.0), (1.0, 0.02)])
+def test_an_offset_is_told_where_directions_share_speeds(lowest, offset):
+    """Beyond 0.3 m/s in one direction, and from there on in the other, any offset is a curve too."""
+    v = np.concatenate([np.linspace(0.05, 0.3, 20), np.linspace(lowest, lowest + 1, 20)])
+    direction = np.repeat([1, -1], 20)
+    mu = LAW.mu(v) + offset * direction + 1e-3 * np.random.default_rng(2).normal(size=40)
+    order = np.argsort(v)
+    found = sweep_branches_of(v[order], mu[order], np.ones(40), order, direction[order])
+    told = found.offset if found else 0.0
+    assert told == pytest.approx(offset if lowest < 0.3 else 0.0, abs=2e-3)
+
+
+# -- files -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("size", "why"), [(100_000_000, "workbook"), (400_000_000, "nothing that is read here is as long")]
+)
+def test_a_file_of_a_million_rows_is_read(tmp_path, size, why):
+    """Of 100 characters each; no longer one is even looked into."""
+    path = tmp_path / "rows.csv"
+    with path.open("wb") as file:
+        file.write(b"PK\x03\x04")
+        file.truncate(size)
+    with pytest.raises(ss.InputError, match=why):
+        ss.read_measurements(path)
+
+
+@pytest.mark.parametrize(("notes", "is_read"), [(250, True), (800, False)])
+def test_the_header_is_among_the_first_lines(tmp_path, notes, is_read):
+    path = write(tmp_path, *["# -"] * notes, "v [mm/s],mu", "100,0.4", "200,0.35")
+    if is_read:
+        assert ss.read_measurements(path).v.tolist() == [0.1, 0.2]
+    else:
+        with pytest.raises(ss.InputError, match="a table begins with a header"):
+            ss.read_measurements(path)
+
+
+@pytest.mark.parametrize(("wrong", "is_read"), [(6, True), (20, False)])
+def test_a_few_rows_may_break_a_rule(tmp_path, wrong, is_read):
+    """Of 50; where 40 % of the coefficients are above 5, their column is one of other units."""
+    faulty = np.random.default_rng(2).choice(48, wrong, replace=False) + 1
+    rows = [f"{0.02 * i + 0.02},{9 if i in faulty else 0.4}" for i in range(50)]
+    path = write(tmp_path, "v [m/s],mu", *rows)
+    if is_read:
+        assert len(ss.read_measurements(path, leave_out=True)) == 50 - wrong
+    else:
+        with pytest.raises(ss.InputError, match="too many to leave out"):
+            ss.read_measurements(path, leave_out=True)
+
+
+@pytest.mark.parametrize(("wrong", "is_read"), [(2, True), (5, False)])
+def test_a_few_rows_of_one_end_may_be_left_out(tmp_path, wrong, is_read):
+    """In a file in no order."""
+    order = np.random.default_rng(4).permutation(50)
+    rows = [f"{0.02 * i + 0.02},{9 if i >= 50 - wrong else 0.4}" for i in order]
+    path = write(tmp_path, "v [m/s],mu", *rows)
+    if is_read:
+        assert len(ss.read_measurements(path, leave_out=True)) == 50 - wrong
+    else:
+        with pytest.raises(ss.InputError, match="they are those of the highest speeds"):
+            ss.read_measurements(path, leave_out=True)

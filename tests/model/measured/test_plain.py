@@ -26,7 +26,7 @@ def both_ways(path, **how):
     """What is read as a whole, and what cell by cell."""
     results = []
     for least in (0, 1e9):
-        with patch.object(text_table, "_BYTES_WORTH_PLAIN", least):
+        with patch.object(text_table, "ROWS_TO_SAMPLE", least):
             try:
                 results.append(ss.read_measurements(path, **how))
             except ss.InputError as error:
@@ -68,22 +68,6 @@ def test_what_is_no_plain_number_is_left_to_cells():
                  b"1,nan\n", b"1,2,\n3,4,\n", b",1,2\n"):  # fmt: skip
         assert plain_numbers(body, ",", 2) is None, body
     assert plain_numbers(b"1, 2\n3, 4\n", ",", 2).tolist() == [[1, 2], [3, 4]]
-
-
-@given(st.integers(0, 2**32))
-def test_turns_are_those_of_a_walk_row_by_row(seed):
-    """Rows that are passed by as a whole change no turn."""
-    rng = np.random.default_rng(seed)
-    count = int(rng.integers(5, 800))
-    v = np.abs(
-        np.sin(np.linspace(0, rng.uniform(0, 40), count)) + rng.choice([0, 0.02, 0.2]) * rng.normal(size=count)
-    )
-    v = np.round(v, int(rng.integers(1, 5)))
-    with patch.object(sweep_branches, "_PASSED", 1):
-        alone = sweep_branches._turns(v)
-    with patch.object(sweep_branches, "_PASSED", count):
-        together = sweep_branches._turns(v)
-    assert sweep_branches._turns(v) == alone == together
 
 
 def test_random_order_of_many_rows_is_no_sweep_and_sweeps_are():
