@@ -56,6 +56,7 @@ def nightly(session):
     session.install("-e", ".[test]")
     seed = datetime.datetime.now(datetime.UTC).strftime("%Y%m%d")
     session.run("pytest", "--thorough", "--fresh", seed, "--order", seed, "-ra", *session.posargs)
+    session.run("pytest", "-n", "0", "tests/benchmarks/bench_work.py")
 
 
 @nox.session

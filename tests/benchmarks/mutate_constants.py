@@ -6,12 +6,13 @@ RESULTS.jsonl.
 
 1. Each test is run once, and it is noted which functions that name a constant it enters, and how long it takes.
 2. Each constant is changed: by factors of 3 and 1/3, and a tolerance, which is less than a hundredth, by 10 and
-   1/10. The quickest of the tests that enter such a function are run, the file of tests that bears the module's
-   name first, for some seconds of processor time in all, until one fails. Each change has a process of its own, a
-   copy of one that has the package imported and the tests collected; a constant that is needed on import, as a
-   default or in a class, is changed in the source as it is imported.
-3. Printed are the constants, and for each change what noticed it: a test, time (three times as long), or nothing.
-   A change that nothing noticed is looked at again by a run with more ``--seconds``.
+   1/10. Tests that enter such a function are run, for some seconds of processor time in all, until one fails: of
+   each test one case before another case of any, those in the file that bears the module's name first, then the
+   quickest. Then the benchmark of work is run, the answers that call the module's functions most. Each change has
+   a process of its own, a copy of one that has the package imported and the tests collected; a constant that is
+   needed on import, as a default or in a class, is changed in the source as it is imported.
+3. Printed are the constants, and for each change what noticed it: a test, work, time (three times as long), or
+   nothing. A change that nothing noticed is looked at again by a run with more ``--seconds``.
 
 Tests whose results depend on others having run before, by caches, may enter fewer functions than they would alone.
 A test that starts the package in a process of its own does not see a change. What numba compiles runs as plain
@@ -27,12 +28,14 @@ import os
 import resource
 import sys
 import time
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
 ROOT = Path(__file__).parents[2]
+WORK = "tests/benchmarks/bench_work.py"
+TESTS = ["tests", "paper_checks", WORK]
 PACKAGE = "stickslip_sym"
 TOLERANCE = 0.01
 """What is smaller is changed by a larger factor: a tolerance is a power of ten."""
@@ -40,6 +43,11 @@ SLOWER = 3.0
 """Times as long as before, which a benchmark notices; under load a test may take twice as long."""
 STARTING = 5.0
 """Seconds that importing the package, collecting tests and filling caches may take."""
+SECONDS_OF_WORK = 8.0
+"""That the answers whose work is counted take for each change."""
+SECONDS_TO_BEGIN = 0.4
+SECONDS_A_CALL = 6e-6
+"""Of an answer in plain Python, while its calls are counted."""
 PLAIN_SECONDS = 120.0
 """Seconds of tests that are run once in plain Python, to know which are quick without compilation."""
 COMPILED_AS = ("@compilable", "@inlined")
@@ -426,7 +434,7 @@ class Campaign:
             if any(constant.module.removeprefix(PACKAGE + "/").startswith(folder) for folder in folders)
         ]
         at_once = [one for one in wanted if not self._uses[one.module, one.name].needed_on_import]
-        in_child(lambda: with_collected(lambda items: self._change_in_place(at_once, items), []), FOREVER)
+        in_child(lambda: with_collected(lambda items: self._change_in_place(at_once, items), TESTS), FOREVER)
         for constant in wanted:
             if constant not in at_once:
                 self._change_on_import(constant)
@@ -455,30 +463,49 @@ class Campaign:
     def _outcomes(self, constant: Constant, changed: Callable[[list[str], float], Any]) -> None:
         """Run tests with a constant changed each way, and keep what noticed it."""
         known = self.rows()
-        chosen, expected = self._chosen(known, constant)
+        tests, expected = self._chosen(known, constant)
+        work = self._work(constant)
         for other in constant.changed:
-            row = {"constant": list(constant), "other": other, "tests": len(chosen), "seconds": self._seconds}
+            row = {"constant": list(constant), "other": other, "tests": len(tests), "work": len(work),
+                   "seconds": self._seconds}  # fmt: skip
             if any(_settles(old, row) for old in known):
                 continue
+            chosen = [*tests, *work]
             if not chosen:
                 self._keep([row | {"by": "no test enters it in time"}])
                 continue
-            found = in_child(lambda other=other: changed(chosen, other), SLOWER * (expected + STARTING))
+            limit = SLOWER * (expected + SECONDS_OF_WORK + STARTING)
+            found = in_child(lambda other=other, chosen=chosen: changed(chosen, other), limit)
             self._keep([row | {"by": _noticed_by(found)}])
 
     def _chosen(self, known: list[dict[str, Any]], constant: Constant) -> tuple[list[str], float]:
         """Return tests that enter a function which names a constant, and how long they take."""
         uses = self._uses[constant.module, constant.name]
         rows = [row for row in known if row.get("plain", False) == uses.compiled]
-        entering = _entering(rows, uses.functions)
-        own = f"test_{Path(constant.module).stem}.py"
-        entering.sort(key=lambda row: (own not in row["test"], row["seconds"]))
         chosen, total = list[str](), 0.0
-        for row in entering:
+        for row in _one_of_each_first(_entering(rows, uses.functions), f"test_{Path(constant.module).stem}.py"):
             if total + row["seconds"] <= self._seconds:
                 chosen.append(row["test"])
                 total += row["seconds"]
         return chosen, total
+
+    def _work(self, constant: Constant) -> list[str]:
+        """Return the answers whose work is counted and lies most in the modules that hold a constant."""
+        recorded = json.loads((ROOT / WORK).with_name("work.json").read_text())
+        holding = {module for module, _ in self._uses[constant.module, constant.name].aliases}
+        of_modules = {module.removeprefix(PACKAGE + "/").removesuffix(".py") for module in holding}
+        shares = dict[str, float]()
+        for name, work in recorded.items():
+            within = sum(count for module, count in work["calls"].items() if module in of_modules)
+            if within:
+                shares[name] = within / sum(work["calls"].values())
+        chosen, left = list[str](), SECONDS_OF_WORK
+        for name in sorted(shares, key=shares.__getitem__, reverse=True):
+            seconds = SECONDS_TO_BEGIN + SECONDS_A_CALL * sum(recorded[name]["calls"].values())
+            if seconds <= left:
+                chosen.append(f"{WORK}::test_work[{name}]")
+                left -= seconds
+        return chosen
 
 
 FOREVER = 1e6
@@ -498,6 +525,17 @@ def _entering(rows: list[dict[str, Any]], keys: set[str]) -> list[dict[str, Any]
     return [row for row in tests if any(_without_line(key) in functions for key in row["enters"])]
 
 
+def _one_of_each_first(rows: list[dict[str, Any]], own: str) -> list[dict[str, Any]]:
+    """Sort tests: of each its quickest case before another case of any, those of a module's own file first."""
+    cases = Counter[str]()
+    ranks = dict[str, int]()
+    for row in sorted(rows, key=lambda row: row["seconds"]):
+        function = row["test"].partition("[")[0]
+        ranks[row["test"]] = cases[function]
+        cases[function] += 1
+    return sorted(rows, key=lambda row: (ranks[row["test"]], own not in row["test"], row["seconds"]))
+
+
 def _without_line(key: str) -> str:
     module, _, name = key.split(":")
     return f"{module}:{name}"
@@ -507,7 +545,7 @@ def _settles(old: dict[str, Any], new: dict[str, Any]) -> bool:
     """Whether a change was looked at: noticed, or not noticed in as many seconds."""
     if "constant" not in old or (old["constant"], old["other"]) != (new["constant"], new["other"]):
         return False
-    return bool(old["by"]) or old["seconds"] >= new["seconds"]
+    return bool(old["by"]) or (old["seconds"] >= new["seconds"] and old.get("work", 0) >= new["work"])
 
 
 def _noticed_by(rows: list[dict[str, Any]] | None) -> str | None:

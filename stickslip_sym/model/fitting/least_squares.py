@@ -124,14 +124,15 @@ class Problem:
             begin = np.clip(begin, lowest, highest)  # rounding may leave a start just outside
             how: dict[str, Any] = {"ftol": SAME, "xtol": SAME}
             # Levenberg and Marquardt's method knows no bounds, and follows flat valleys in fewer steps.
-            x, _, _, _, status = leastsq(
-                residuals,
-                begin,
-                Dfun=slopes,
-                full_output=True,
-                gtol=ROUNDING,
-                **how,
-            )
+            with np.errstate(all="ignore"):  # in its covariance, which is not used
+                x, _, _, _, status = leastsq(
+                    residuals,
+                    begin,
+                    Dfun=slopes,
+                    full_output=True,
+                    gtol=ROUNDING,
+                    **how,
+                )
             if (x < lowest).any() or (x > highest).any():
                 result = least_squares(
                     residuals, begin, slopes, bounds=(lowest, highest), method="dogbox",

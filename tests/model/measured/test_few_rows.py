@@ -57,6 +57,13 @@ def test_five_exact_rows_decide_by_laws_that_agree():
     assert not any("does not describe" in text for text in fits["exponential"].warnings)
 
 
+def test_a_law_that_few_rows_do_not_determine_overflows_nowhere():
+    """SciPy's covariance of its search does for these rows, and warned of it."""
+    v = np.geomspace(0.02, 3, 8)
+    mu = 0.2 + 0.3 * np.exp(-2 * v) + 0.005 * np.random.default_rng(1).standard_normal(8)
+    assert ss.fit(v, mu, laws="bengisu_akay").best.name == "bengisu_akay"
+
+
 def test_too_few_speeds_state_a_range_alone():
     v, mu = measured(4, 1, noise=1e-5)
     decision = decided(v, mu, 0.1, ["linear", "exponential"])
