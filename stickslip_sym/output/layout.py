@@ -14,7 +14,6 @@ from stickslip_sym.core.errors import InputError
 from stickslip_sym.output.notation import latex_name
 
 LINE = 341.0  # points in 120 mm
-_NUMBER_WIDTH = 32.0  # of them for the number of the equation
 _SHORT_PART = 0.3  # of a line: nothing is aligned behind a longer left side, and no line is left shorter
 
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[A-Za-z]|\d|\s+|.", re.S)
@@ -24,9 +23,9 @@ _WIDE = {
     **dict.fromkeys(digits, 5.0),
     "+": 12.3, "-": 12.3, "=": 13.4, "<": 13.4, ">": 13.4, ",": 4.5, ";": 4.5, "/": 5.0, "(": 3.9, ")": 3.9,
     "[": 2.8, "]": 2.8, "'": 2.8, r"\{": 5.0, r"\}": 5.0, r"\alpha": 6.4, r"\beta": 5.9, r"\gamma": 5.5,
-    r"\delta": 4.6, r"\theta": 4.7, r"\mu": 6.1, r"\pi": 5.8, r"\eta": 5.0, r"\int": 11.2, r"\infty": 10.0,
-    r"\ln": 10.1, r"\sin": 14.0, r"\cos": 15.1, r"\tan": 16.2, r"\sinh": 19.6, r"\cosh": 20.7, r"\tanh": 21.7,
-    r"\coth": 20.6, r"\arctan": 29.5, r"\arcsin": 27.4, r"\arccos": 28.5, r"\min": 18.4, r"\max": 20.3,
+    r"\delta": 4.6, r"\theta": 4.7, r"\mu": 6.1, r"\pi": 5.8, r"\eta": 5.0, r"\psi": 6.6, r"\int": 11.2,
+    r"\infty": 10.0, r"\ln": 10.1, r"\sin": 14.0, r"\cos": 15.1, r"\tan": 16.2, r"\sinh": 19.6, r"\cosh": 20.7,
+    r"\tanh": 21.7, r"\coth": 20.6, r"\arctan": 29.5, r"\arcsin": 27.4, r"\arccos": 28.5, r"\min": 18.4, r"\max": 20.3,
     r"\exp": 17.0, r"\to": 15.6, r"\sim": 13.4, r"\approx": 13.4,
     r"\,": 1.7, r"\!": -1.7, r"\;": 2.8, r"\quad": 10.0,
     r"\bigl": 0.8, r"\bigr": 0.8, r"\biggl": 3.5, r"\biggr": 3.5, r"\left": 1.6, r"\right": 1.6,
@@ -44,7 +43,7 @@ _WITH_ARGUMENTS: dict[str, tuple[int, Callable[..., float]]] = {
     **dict.fromkeys("^_", (1, lambda script: 0.76 * script + 0.6)),
 }  # fmt: skip
 """How many arguments a command has, and its width from theirs."""
-_OTHER_WIDTH = 6.6  # of the widest small Greek letter, more than of signs such as | and *
+_OTHER_WIDTH = _WIDE[r"\psi"]  # the widest small Greek letter, and wider than signs such as | and *
 _INDENT_WIDTH = 2 * _WIDE[r"\quad"]
 _DEPTHS = {"(": 1, "[": 1, r"\{": 1, ")": -1, "]": -1, r"\}": -1}
 _FIXED = {r"\left": 1, r"\begin": 1, r"\right": -1, r"\end": -1}
@@ -87,7 +86,9 @@ def displayed(left: str, right: str, *, relation: str = "=", label: str = "", ta
     - `label`: to number it and refer to it.
     - `tag`: to be printed instead of a number.
     """
-    line = LINE - (_NUMBER_WIDTH if label or tag else 0.0)
+    line = LINE
+    if label or tag:
+        line -= width(tag or "(99)") + _WIDE[r"\quad"]
     begin = f"{left} {relation} "
     if width(begin + right) <= line:
         body = f"  {begin}{right}"

@@ -13,7 +13,6 @@ MOST_FORMULA_CHARACTERS = 4000  # of a formula on a screen; a longer one is left
 _BLANKS_BETWEEN_COLUMNS = 2  # blanks between columns
 _LONG_NUMBER = re.compile(r"-?\d+\.\d{30,}(?:e[-+]?\d+)?")
 """What is not broken, as it is copied as a whole."""
-_BESIDE_NUMBERS = 38  # characters for all other columns
 _ROW = re.compile(r"\S {2,}\S")
 _EQUALS = "\0=\0"  # stands for " = " while lines are broken
 
@@ -39,7 +38,7 @@ def aligned_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     if sys.stdout.isatty():
         width = None
     else:
-        width = max(TERMINAL_WIDTH, _BESIDE_NUMBERS + sum(numbers) if any(numbers) else 0)
+        width = max(TERMINAL_WIDTH, TERMINAL_WIDTH // 2 + sum(numbers))  # half a line for all other columns
     # In Jupyter Rich would show a box of its own, and an empty one, as what is printed is kept.
     console = Console(width=width, markup=False, emoji=False, highlight=False, force_jupyter=False)
     with console.capture() as captured:

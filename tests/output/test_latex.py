@@ -218,6 +218,22 @@ def test_lines_break_at_the_outermost_sum():
     assert layout.displayed("c", "a + b") == "\\begin{equation*}\n  c = a + b\n\\end{equation*}"
 
 
+@pytest.mark.parametrize(("letters", "is_aligned"), [(9, True), (35, False)])
+def test_lines_are_aligned_behind_a_short_left_side(letters, is_aligned):
+    """Of a fifth of a line, but not of more than a half."""
+    shown = layout.displayed(" ".join("a" * letters), " + ".join("b" * 60))
+    assert ("a &= b" in shown) == is_aligned
+
+
+def test_an_equation_leaves_room_for_its_number():
+    """A formula of 315 points fits a line of 341 points, but not beside a number with a space before it."""
+    right = " + ".join(["b"] * 17) + " c" * 2
+    assert 310 < layout.width("c = " + right) < 320
+    assert "split" not in layout.displayed("c", right)
+    assert "split" in layout.displayed("c", right, label="eq:x")
+    assert "split" not in layout.displayed("c", " + ".join(["b"] * 15), label="eq:x")
+
+
 @pytest.mark.parametrize(
     ("text", "latex"),
     [
@@ -274,7 +290,8 @@ def test_widths_of_signs_are_those_of_the_fonts():
         assert points <= layout.width(letter) < points + 3, f"{letter} is as wide as the widest of its class"
     assert sum(map(layout.width, ascii_letters)) < 1.1 * sum(letters.values())
     expected = {
-        rf"\{name}": italic[name] for name in ("alpha", "beta", "gamma", "delta", "theta", "mu", "pi", "eta")
+        rf"\{name}": italic[name]
+        for name in ("alpha", "beta", "gamma", "delta", "theta", "mu", "pi", "eta", "psi")
     }
     expected |= {sign: italic[name] for sign, name in zip(",/", ("comma", "slash"), strict=True)}
     named = {"(": "parenleft", ")": "parenright", "[": "bracketleft", "]": "bracketright", ";": "semicolon"}
@@ -291,4 +308,6 @@ def test_widths_of_signs_are_those_of_the_fonts():
     expected |= {rf"\{size}l": large[f"parenleft{size}"] - roman["parenleft"] for size in ("big", "bigg")}
     for sign, points in expected.items():
         assert 0 <= layout.width(sign) - points < 0.11, sign
+    for name in ("epsilon", "zeta", "iota", "kappa", "lambda", "nu", "xi", "rho", "tau", "chi", "omega"):
+        assert layout.width(rf"\{name}") >= italic[name], name
     assert layout.width(r"\frac{V}{N}") >= max(letters["V"], letters["N"])

@@ -106,6 +106,27 @@ def test_a_letter_saves_some_characters(count, has_letter):
     assert ("where" in shown) == has_letter
 
 
+@pytest.mark.parametrize(("symbols", "count", "has_letter"), [(140, 3, False), (450, 3, True), (450, 2, False)])
+def test_short_blocks_have_a_letter_in_a_formula_of_many_lines(symbols, count, has_letter):
+    """One of 25 characters, and if it stands there more than twice: two letters and a line would be no shorter."""
+    block = sp.Add(*sp.symbols("b100:104", positive=True))
+    functions = [sp.exp, sp.tanh, sp.sinh][:count]
+    rest = sp.Add(*sp.symbols(f"a100:{100 + symbols}", positive=True))
+    shown = abbreviation.indented_equation("c", rest + sp.Add(*(function(block) for function in functions)))
+    assert ("where" in shown) == has_letter
+
+
+def test_columns_are_two_blanks_apart_and_lines_as_long_as_those_of_a_terminal():
+    assert tables.aligned_table(["name", "value"], [["mu_s", "0.5"]]) == "name  value\nmu_s  0.5"
+    longest = max(map(len, tables.fitted("word " * 100).splitlines()))
+    assert 70 < longest <= 80
+
+
+def test_beside_a_number_of_many_digits_there_is_room_for_other_columns():
+    shown = tables.aligned_table(["value", "why"], [["0." + "1234567890" * 8, "word " * 40]])
+    assert 30 < max(map(len, shown.splitlines())) - 84 < 50
+
+
 def test_a_table_shows_nothing_by_itself_in_jupyter(monkeypatch):
     monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
     shown = []

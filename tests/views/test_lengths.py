@@ -1,6 +1,8 @@
 """How much is shown: for each limit something short that is whole, and something long that is not."""
 
+import json
 import math
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -18,11 +20,12 @@ from stickslip_sym.formula.derivation import Step
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.motion.maps.cells import Reason
 from stickslip_sym.motion.simulation.trajectory import EventKind, Phase
+from stickslip_sym.motion.thresholds.averages import resolved_gauss_average
 from stickslip_sym.output.files import read_bytes
 from stickslip_sym.output.notation import notation_of
 from stickslip_sym.output.tables import TERMINAL_WIDTH
 from stickslip_sym.views import dispatch, drawing, maps, markup
-from stickslip_sym.views.pages import explorer, render, study_page
+from stickslip_sym.views.pages import browser, explorer, render, study_page
 
 
 def sum_of_length(length):
@@ -64,7 +67,7 @@ def test_the_middle_of_a_long_list_is_left_out(count, is_whole):
 
 
 def test_many_points_are_thinned():
-    for count in (1500, 20_000):
+    for count in (1500, 50_000):
         shown, _ = explorer._points(Measurements(np.linspace(0, 1, count), np.ones(count)))
         assert len(shown) == count or 1500 < len(shown) < 8000 < count
 
@@ -87,6 +90,34 @@ def test_figures_are_as_wide_as_text_and_two_stand_on_a_page():
     assert 5 < width < 9
     assert 1.2 < width / height < 1.8
     assert width < 2 * study_page._SCALE * width < 2 * width
+
+
+@pytest.mark.parametrize(("sheets", "is_small"), [(1, False), (2, False), (3, True), (9, True)])
+def test_a_study_that_fills_more_than_two_sheets_has_small_letters(tmp_path, monkeypatch, sheets, is_small):
+    printed = []
+
+    def as_pdf(page):
+        printed.append(page)
+        return b"/Type /Page " * sheets
+
+    monkeypatch.setattr(browser, "_as_pdf", as_pdf)
+    study_page.print_page_of_study(SimpleNamespace(page="<head></head>"), tmp_path / "study.pdf")
+    sizes = [float(size) for size in re.findall(r"font-size: ([\d.]+)pt", "".join(printed))]
+    assert len(sizes) == is_small
+    assert all(6 <= size < 8 for size in sizes), "smaller than those of the page, and not too small to be read"
+
+
+def test_a_table_of_averages_over_speed_is_fine_and_short():
+    """Between its rows nine digits by the cubic of the page, which is not made longer by more."""
+    law = ss.FrictionLaw("0.2 + 0.3*exp(-3*v)")
+    slider = explorer._slider("V", 0.3, "m/s", "belt speed", "positive")
+    rows = np.array(explorer._table(law, ss.criteria.least_squares, slider))
+    low, high = np.log(slider["low"]), np.log(slider["high"])
+    between = np.exp(low + (high - low) * (np.arange(1, len(rows) - 2) + 0.5) / (len(rows) - 1))
+    right = resolved_gauss_average(law.kinetic, ss.criteria.least_squares, between)
+    cubic = (9 * (rows[1:-2] + rows[2:-1]) - rows[:-3] - rows[3:]) / 16
+    assert np.max(np.abs(cubic - right)) < 1e-9 * np.max(np.abs(right))
+    assert len(json.dumps(rows.tolist())) < 20_000
 
 
 def test_a_slider_reaches_some_times_its_value():

@@ -11,13 +11,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from stickslip_sym.core.errors import InputError
+from stickslip_sym.core.seconds import SECONDS_OF_PART
 from stickslip_sym.output.files import write_text
 
 _NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
 _OTHERWISE = "open the page in any browser, and print it to a file there"
 _SMALL_LETTERS = 6.5  # points, of letters that are 8 as a rule; smaller ones are not read
 _SHEET = re.compile(rb"/Type\s*/Page\b")
-_SECONDS_FOR_PAGE = 60  # for one page; usually 2
+_SECONDS_FOR_PAGE = 3 * SECONDS_OF_PART  # as many as figures, formulas and tables may take; usually 2
 _OPTIONS = (
     # The sandbox needs rights that containers do not give; the page has no script and refers to nothing.
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-sync", "--no-first-run",
