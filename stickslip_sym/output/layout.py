@@ -25,8 +25,8 @@ _WIDE = {
     "[": 2.8, "]": 2.8, "'": 2.8, r"\{": 5.0, r"\}": 5.0, r"\alpha": 6.4, r"\beta": 5.9, r"\gamma": 5.5,
     r"\delta": 4.6, r"\theta": 4.7, r"\mu": 6.1, r"\pi": 5.8, r"\eta": 5.0, r"\psi": 6.6, r"\int": 11.2,
     r"\infty": 10.0, r"\ln": 10.1, r"\sin": 14.0, r"\cos": 15.1, r"\tan": 16.2, r"\sinh": 19.6, r"\cosh": 20.7,
-    r"\tanh": 21.7, r"\coth": 20.6, r"\arctan": 29.5, r"\arcsin": 27.4, r"\arccos": 28.5, r"\min": 18.4, r"\max": 20.3,
-    r"\exp": 17.0, r"\to": 15.6, r"\sim": 13.4, r"\approx": 13.4,
+    r"\tanh": 21.7, r"\coth": 20.6, r"\arctan": 29.5, r"\arcsin": 27.4, r"\arccos": 28.5, r"\min": 18.4,
+    r"\max": 20.3, r"\exp": 17.0, r"\to": 15.6, r"\sim": 13.4, r"\approx": 13.4,
     r"\,": 1.7, r"\!": -1.7, r"\;": 2.8, r"\quad": 10.0,
     r"\bigl": 0.8, r"\bigr": 0.8, r"\biggl": 3.5, r"\biggr": 3.5, r"\left": 1.6, r"\right": 1.6,
 }  # fmt: skip
