@@ -41,7 +41,7 @@ COMPARED_RTOL = 1e-10
 TIGHT_RTOL = 1e-11
 """The same where digits are shown, or costs are measured; a simulation states 1e-12 at best."""
 EXPLAINED_RTOL = 1e-6
-"""The same of values that say why a threshold is what it is, or how far it is."""
+"""The same of values that say why a threshold is what it is, or how far it is, and of curves."""
 Quantity: TypeAlias = float | str | UFloat
 """A quantity of an operating point in SI units, perhaps with a standard error."""
 Result = TypeVar("Result")

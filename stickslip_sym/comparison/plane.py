@@ -6,6 +6,7 @@ from typing import TypeAlias
 import numpy as np
 from uncertainties import UFloat
 
+from stickslip_sym.comparison.compare import EXPLAINED_RTOL
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.errors import NotConverged, NoThreshold
 from stickslip_sym.model.law import FrictionLaw
@@ -14,7 +15,6 @@ from stickslip_sym.motion.thresholds.threshold import pure_slip_damping
 Plane: TypeAlias = dict[str, FloatArray]
 """Belt speeds V, slope averages, exact thresholds in kg/s and their standard errors there; NaN where none is."""
 _CURVE_POINTS = 33  # of a curve over belt speed
-CURVE_RTOL = 1e-4  # relative error of thresholds of which many are computed: below the width of a line
 _AVERAGES = ("equilibrium", "least_squares", "harmonic")
 
 
@@ -28,7 +28,7 @@ def plane(law: FrictionLaw, given: Mapping[str, float | UFloat], speed: float) -
 
     def exact(V: FloatArray) -> FloatArray:
         try:
-            threshold = pure_slip_damping(law, V=V, N=given["N"], m=given["m"], k=given["k"], rtol=CURVE_RTOL)
+            threshold = pure_slip_damping(law, V=V, N=given["N"], m=given["m"], k=given["k"], rtol=EXPLAINED_RTOL)
         except (NotConverged, NoThreshold):
             if len(V) == 1:
                 return np.full((2, 1), np.nan)

@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 from stickslip_sym.comparison.compare import EXPLAINED_RTOL, Row, compare
 from stickslip_sym.comparison.decision import Decision, unmeasured_part, value_text
-from stickslip_sym.comparison.plane import CURVE_RTOL, Plane, plane
+from stickslip_sym.comparison.plane import Plane, plane
 from stickslip_sym.core.deadline import require_seconds
 from stickslip_sym.core.deadline import time_limit as limited
 from stickslip_sym.core.errors import InputWarning, StickSlipError
@@ -535,7 +535,7 @@ def _choice(subject: _Subject) -> Averaged | None:
 
     def estimate(law: FrictionLaw) -> SimpleNamespace:
         shared = subject.threshold if law == subject.law else None
-        threshold = shared or pure_slip_damping(law, **subject.point, rtol=CURVE_RTOL, time_limit=subject.each)
+        threshold = shared or pure_slip_damping(law, **subject.point, rtol=EXPLAINED_RTOL, time_limit=subject.each)
         return SimpleNamespace(
             value=threshold.value,
             uncertainty=threshold.budget and threshold.budget.uncertainty,

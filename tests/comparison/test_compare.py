@@ -9,6 +9,7 @@ import pytest
 import stickslip_sym as ss
 from stickslip_sym.comparison import crosscheck
 from stickslip_sym.comparison.crosscheck import differences, scatter
+from stickslip_sym.comparison.plane import plane
 from support.sweeps import sweep
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
@@ -93,6 +94,24 @@ def test_differences_of_some_per_cent_are_named(off, is_named, monkeypatch):
     assert any(reason.startswith("the weight") for reason in reasons) == is_named
     assert any(reason.startswith("the static coefficient") for reason in reasons) == is_named
     assert max(asked) ** 0.5 == pytest.approx(100), "at a hundredth of eta"
+
+
+def test_a_threshold_beside_a_criterion_has_twelve_digits():
+    law = ss.laws.exponential.typical()
+    row = crosscheck.crosscheck(law, ss.criteria.equilibrium, POINT, None, digits=20)["event-driven threshold"]
+    right = ss.pure_slip_damping(law, **POINT, method="orbit", rtol=1e-12).value
+    assert float(row.value) == pytest.approx(right, rel=1e-11)
+    assert len(row.value.replace(".", "")) == 12
+
+
+def test_curves_over_speed_have_some_tens_of_points():
+    """Thresholds up to twice the belt's speed, as exact as a line is wide."""
+    law = ss.laws.polynomial.typical()
+    curves = plane(law, {name: POINT[name] for name in "Nmk"}, 0.5)
+    assert curves["V"][-1] == 1.0
+    assert 20 < len(curves["V"]) < 60
+    right = ss.pure_slip_damping(law, V=curves["V"][-1], N=9.81, m=1, k=100).value
+    assert curves["exact"][-1] == pytest.approx(right, rel=1e-5)
 
 
 def scattered(count=5):

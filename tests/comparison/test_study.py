@@ -4,11 +4,14 @@ import re
 from collections import Counter
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from uncertainties import ufloat
 
 import stickslip_sym as ss
+from stickslip_sym.comparison import study as study_module
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.motion.margins import critical
 from stickslip_sym.motion.thresholds import methods
@@ -367,3 +370,15 @@ def test_no_threshold_is_computed_twice(monkeypatch):
     assert set(asked.values()) == {1}
     ss.compare(ss.laws.linear.typical(), OSC)  # a control
     assert 2 in asked.values()
+
+
+def test_the_probability_of_a_study_is_from_some_hundred_samples():
+    """As many as its standard error, and the steps of their share, say."""
+    osc = ss.Oscillator(m=1, k=100, c=1.47, V=0.5, N=9.81)
+    subject = SimpleNamespace(
+        law=ss.laws.linear.typical(), oscillator=osc, carried={"N": ufloat(9.81, 0.1)}, fits=None, threshold=None,
+        each=5.0,
+    )  # fmt: skip
+    sampled = study_module._margins(subject).sampled
+    count = sampled.probability * (1 - sampled.probability) / sampled.standard_error**2
+    assert 100 < count < 400

@@ -1,8 +1,10 @@
 """Speed against accuracy: every method is there, its error is what is known of it, and what dominates it."""
 
+import inspect
 import json
 import math
 import re
+import types
 from functools import partial
 
 import numpy as np
@@ -15,6 +17,7 @@ from stickslip_sym.comparison import tradeoff
 from stickslip_sym.comparison.compare import Row
 from stickslip_sym.comparison.tradeoff import Trade
 from stickslip_sym.core import deadline
+from stickslip_sym.motion.thresholds.methods import methods
 from stickslip_sym.output.content import content
 
 DOUBLE = 4 * 2.0**-52
@@ -38,10 +41,8 @@ def test_a_criterion_by_every_method(tmp_path):
     assert rows["Gauss rule, 2 nodes"].relative_error > 1e-3
     assert rows["Gauss rule, 32 nodes"].relative_error < DOUBLE
     assert rows["scipy.integrate.quad"].relative_error < 4 * DOUBLE
-    for digits in tradeoff.DIGITS:
+    for digits in (15, 30, 50):
         assert rows[f"mpmath, {digits} digits"].relative_error < 10.0 ** (1 - digits)
-    assert {f"mpmath, {digits} digits" for digits in (15, 30, 50)} <= rows.keys(), "users pick rows by name"
-    assert {f"Gauss rule, {nodes} nodes" for nodes in (2, 4, 8, 16, 32)} <= rows.keys()
     assert all(row.seconds > 0 for row in rows.values())
     assert rows["stable function, array"].seconds < rows["stable function, one value"].seconds
     pytest.importorskip("matplotlib")
@@ -97,13 +98,72 @@ def test_when_time_is_up_there_is_no_number(monkeypatch):
     assert trade.rows[0].value == pytest.approx(SHARE, abs=1e-10)
 
 
-def test_settings_are_those_of_the_paper_or_are_ladders():
-    """The paper's scan, section 5, and its band at rest, section 3; a ladder has equal ratios."""
-    assert (tradeoff.SCAN_STEP, tradeoff.BAND_ABOVE_REST) == (0.001, 1e-4)
-    for ladder, spread in ((tradeoff.SIMULATED, 2**2), (tradeoff.BISECTED, 1e-3)):
-        assert np.divide(ladder[1:], ladder[:-1]) == pytest.approx(spread)
-    assert tradeoff.BISECTED[0] == 1e-3, "SciPy's own"
-    assert 20 < tradeoff.SIMULATED[0] < 100
+@pytest.fixture
+def asked(monkeypatch):
+    """Asks for a table, of which nothing is run: its title, and by its name what each row would compute."""
+    rows = {}
+
+    def measured(method, compute, judge, *, setting="", count=1, **repeated):
+        row = Row(method, setting=setting)
+        rows[row.name] = compute, count
+        return row
+
+    def ask(law, kind, **point):
+        rows.clear()
+        return ss.tradeoff(law, of=kind, **point).trades[kind].title, rows
+
+    monkeypatch.setattr(tradeoff, "measured", measured)
+    return ask
+
+
+def test_rows_of_a_criterion(asked):
+    """Users pick them by name; an array of about a megabyte is in the cache of a processor."""
+    _, rows = asked(ss.laws.linear.typical(), "criterion")
+    assert list(rows) == [
+        "plain lambdify, array", "stable function, array", "stable function, one value",
+        *(f"Gauss rule, {nodes} nodes" for nodes in (2, 4, 8, 16, 32)), "scipy.integrate.quad",
+        *(f"mpmath, {digits} digits" for digits in (15, 30, 50)),
+    ]  # fmt: skip
+    for name in ("plain lambdify, array", "stable function, array"):
+        compute, count = rows[name]
+        assert 0.5e6 < np.broadcast_to(compute(), count).size * 8 < 2e6
+
+
+def test_rows_of_a_threshold(asked):
+    """The paper's scan, section 5, and its step and band at rest, section 3; SciPy's own tolerance, and less."""
+    _, rows = asked(ss.laws.linear.typical(), "threshold")
+    others = ["Newmark scan", *(f"solve_ivp and bisection, rtol 1e-0{digits}" for digits in (3, 6, 9))]
+    assert list(rows) == [*methods(), *others]
+    scan, _ = rows["Newmark scan"]
+    assert np.diff(scan.args[2]) == pytest.approx(0.001)
+    assert inspect.getfullargspec(scan.func).defaults == (1e-4, 1e-4)
+
+
+def test_rows_of_a_basin(asked):
+    """Numbers of samples that make errors half as large; all begin in a box that is the whole of the basin."""
+    title, rows = asked(BISTABLE, "basin", **BOX)
+    assert title.endswith("x0 = -2 to 2 m, v0 = 0 to 2 m/s")
+    scipy = [f"solve_ivp {how}, rtol 1e-0{n}, 50 samples" for how in ("with events", "smoothed") for n in (3, 6)]
+    assert list(rows) == ["geometry", *(f"simulation, {count} samples" for count in (50, 200, 800)), *scipy]
+
+
+def test_the_sign_of_the_slip_speed_is_smoothed_over_a_hundredth_of_the_belt_speed(monkeypatch):
+    rates = []
+
+    def solve_ivp(function, span, y, **how):
+        rates.append(function)
+        return types.SimpleNamespace(t=np.linspace(*span), y=np.zeros((2, 50)))
+
+    monkeypatch.setattr("scipy.integrate.solve_ivp", solve_ivp)
+    osc = ss.Oscillator(**BOX)
+    tradeoff.comes_to_rest_smoothed(BISTABLE, osc, 0.0, osc.V, 1e-3)
+    shares = []
+    for slip in (1e-2, 1e-1):
+        v = osc.V * (1 - slip)
+        _, acceleration = rates[0](0.0, (0.0, v))
+        shares.append((osc.m * acceleration + osc.c * v) / (osc.N * BISTABLE.mu(osc.V * slip)))
+    assert 0.7 < shares[0] < 0.8
+    assert shares[1] == pytest.approx(1)
 
 
 @pytest.mark.parametrize(("last", "rests"), [(0.05, True), (0.25, False)])
