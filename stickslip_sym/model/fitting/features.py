@@ -16,8 +16,10 @@ from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.model.expression.pieces import places
 
 _SIZES = np.geomspace(1e-12, 1e12, 4001)  # of a parameter, between which what it moves is interpolated
-_RADIANS_BETWEEN_FREQUENCIES = 0.75  # radians over all speeds between two frequencies; a minimum is some 6 wide
-PHASES = np.pi / 4 * np.arange(1, 5)
+_EIGHTH = (
+    np.pi / 4
+)  # of a turn: between frequencies, over all speeds, as a minimum is a turn wide, and between phases
+PHASES = _EIGHTH * np.arange(1, 5)
 """Radians by which a wave is shifted, besides half a turn; none is near 0, the bound of a positive parameter."""
 
 
@@ -71,7 +73,7 @@ def features_of(
         return []
     middles = (speeds[1:] + speeds[:-1]) / 2
     turns = np.pi * (len(speeds) - 1)  # a wave that turns faster between evenly spaced speeds is a slower one too
-    radians = np.arange(1, turns / _RADIANS_BETWEEN_FREQUENCIES) * _RADIANS_BETWEEN_FREQUENCIES
+    radians = np.arange(1, turns / _EIGHTH) * _EIGHTH
     arguments = [*free, *bound]
     features = list[SearchGrid]()
     taken = set[int]()

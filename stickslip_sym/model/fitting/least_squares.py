@@ -25,7 +25,6 @@ _LARGEST_LOGARITHM = -math.log(NEXT_TO_ZERO)  # of a positive value
 _STARTS = 4  # different ones; for most laws the best few of the trials lead to one minimum
 _TRIALS = 40  # for each parameter in which mu is not linear; half of them where each has grids
 _BEYOND = 4.0  # times 1, and its inverse, for pure numbers that are tried; for speeds, times the measured ones
-_APART_ON_A_GRID = 0.01  # the same, of a place or a frequency, beside which another minimum may be
 _RESIDUALS_A_BATCH = 500_000  # residuals of a grid that are computed at a time
 _GAPS_LOOKED_AT = 60  # gaps between speeds on either side, among which a place is looked for again
 _BEST_OF_GRID = 2  # neighbours, each with the same wave half a turn on, which bounds of its height may ask for
@@ -207,9 +206,8 @@ class Problem:
             block = len(PHASES) ** len(feature.phases)
             misfits = self._misfits(points).reshape(-1, block)
             least = misfits.min(axis=1)
-            level = self.measured_at(feature, best)
-            here = int(np.argmin([abs(self.measured_at(feature, node) - level) for node in points[::block]]))
-            low = high = here
+            levels = np.array([self.measured_at(feature, node) for node in points[::block]])
+            low = high = int(np.argmin(np.abs(levels - self.measured_at(feature, best))))
             while low > 0 and least[low - 1] >= least[low]:
                 low -= 1
             while high < len(least) - 1 and least[high + 1] >= least[high]:
@@ -218,14 +216,16 @@ class Problem:
             if len(outside):
                 row = int(outside[np.argmin(least[outside])])
                 minimum = self.minimum(self._with_linear(points[row * block + int(np.argmin(misfits[row]))]))
-                i = feature.moved
-                if minimum is not None and abs(np.log(minimum.p[i] / best[i])) > _APART_ON_A_GRID:
-                    yield i, minimum
+                around = levels[max(low - 1, 0)], levels[min(high + 1, len(levels) - 1)]
+                if minimum is None or around[0] <= self.measured_at(feature, minimum.p) <= around[1]:
+                    continue  # it led to the best
+                yield feature.moved, minimum
 
     def starts(self) -> Iterator[FloatArray]:
         """Yield a few starts that differ, the best of random trials first."""
         moved = {i for feature in self.features for i in (feature.moved, *dict(feature.phases))}
-        apart = np.where([i in moved for i in self.sought], _APART_ON_A_GRID, np.log(2))
+        a_gap = 1 / len(self.measured.speeds)  # relative, between the highest of even speeds
+        apart = np.where([i in moved for i in self.sought], a_gap, np.log(2))
         chosen = np.empty((0, len(self.sought)))
         for p in self._best_first(self._trials(moved)):
             sought = p[self.sought]

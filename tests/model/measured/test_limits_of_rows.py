@@ -237,8 +237,8 @@ def test_starts_differ_and_reach_beyond_what_was_measured():
     assert 2 < len(scales) < 9
     drawn = np.array([trial[list(problem.names).index("v_s")] for trial in problem._trials(())])
     assert 20 < len(drawn) < 90
-    assert V[0] / 8 < drawn.min() < V[0]
-    assert V[-1] < drawn.max() < 8 * V[-1]
+    assert V[0] / 8 < drawn.min() < V[0] / 2
+    assert 2 * V[-1] < drawn.max() < 8 * V[-1]
     assert np.min(np.abs(np.diff(np.log(np.sort(scales))))) > 0.5
 
 
@@ -485,3 +485,96 @@ def test_a_few_rows_of_one_end_may_be_left_out(tmp_path, wrong, is_read):
     else:
         with pytest.raises(ss.InputError, match="they are those of the highest speeds"):
             ss.read_measurements(path, leave_out=True)
+
+
+# -- what rows determine -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("error", "is_fitted"), [(60, True), (200, False)])
+def test_a_parameter_was_not_measured_where_its_error_is_some_hundred_times_as_large(error, is_fitted):
+    """Rows of the law itself, with standard deviations in proportion to that error."""
+    known = ss.fit(V, LAW.mu(V), np.full(len(V), 1e-3), laws="exponential").best
+    sigma = np.full(len(V), 1e-3 * error * known.values["alpha"] / known.standard_errors["alpha"])
+    if is_fitted:
+        fit = ss.fit(V, LAW.mu(V), sigma, laws="exponential").best
+        assert fit.standard_errors["alpha"] == pytest.approx(error * fit.values["alpha"])
+    else:
+        with pytest.raises(ss.InputError, match="these measurements say nothing of alpha"):
+            ss.fit(V, LAW.mu(V), sigma, laws="exponential")
+
+
+@pytest.mark.parametrize(("share", "named"), [(0.05, "p and q"), (0.3, "p and q and r")])
+def test_parameters_with_a_small_part_in_what_has_no_effect_are_not_named(share, named):
+    with pytest.raises(ss.InputError, match=f"do not tell {named} apart"):
+        ss.fit(V, 1 - 0.2 * V, laws=f"p + q*(1 + {share}*v) + r*v")
+
+
+@pytest.mark.parametrize(("share", "is_term"), [(0.1, False), (0.35, True)])
+def test_a_term_is_what_the_law_explains_in_good_part_only(share, is_term):
+    """Residuals that follow what a law leaves of a line, this share of it."""
+    x = np.linspace(-1, 1, len(V))
+    polynomials = np.linalg.qr(np.polynomial.legendre.legvander(x, 6))[0]
+    wave = np.cos(25 * x)
+    wave -= polynomials @ (polynomials.T @ wave)
+    wave /= np.linalg.norm(wave)
+    explained = np.sqrt(1 - share**2)
+    derivatives = np.column_stack([polynomials[:, 0], explained * polynomials[:, 1] + share * wave])
+    left = share * polynomials[:, 1] - explained * wave
+    residuals = 0.005 * np.random.default_rng(1).normal(size=len(V)) + 0.05 * left
+    residuals -= derivatives @ np.linalg.lstsq(derivatives, residuals, rcond=None)[0]
+    chance = chance_of_residuals(residuals, derivatives, polynomials[:, 1:], 1e-12)
+    assert (chance < 0.001) == is_term
+
+
+# -- searches ----------------------------------------------------------------------------------------
+
+
+def test_a_jump_is_looked_for_again_some_gaps_away():
+    """The lesser of two jumps is a minimum too, 40 gaps from the greater one."""
+    v = np.linspace(0.01, 1, 300)
+    mu = 0.3 + 0.1 * (np.arange(300) >= 100) - 0.09 * (np.arange(300) >= 140)
+    measured = Measurements.of(v, mu + 1e-4 * np.random.default_rng(1).normal(size=300))
+    problem = Problem(ss.FrictionLaw("Piecewise((a, v < v_1), (b, True))"), measured)
+    start = {"a": 0.33, "b": 0.31, "v_1": (v[139] + v[140]) / 2}
+    found = problem.minimum(np.array([start[name] for name in problem.names]))
+    assert v[99] < found.p[problem.names.index("v_1")] < v[100]
+    assert len(problem.levels_near(problem.features[0], found.p)) < 200, "among many rows not at all of them"
+
+
+def test_only_the_best_of_a_grid_are_solved():
+    """Those beside each other, and the same waves half a turn on."""
+    problem = Problem(ss.FrictionLaw("a + h*sin(w*v)"), Measurements.of(V, LAW.mu(V)))
+    solved = []
+    with_linear = problem._with_linear
+
+    def counted(p):
+        solved.append(p)
+        return with_linear(p)
+
+    problem._with_linear = counted
+    (feature,) = problem.features
+    problem._moved(np.ones(3), feature, feature.levels)
+    assert 2 <= len(solved) < 6
+
+
+def test_a_grid_is_computed_in_some_parts():
+    """Of four million residuals; each part is some megabytes large."""
+    measured = Measurements.of(np.linspace(0.05, 1.2, 1000), np.ones(1000))
+    problem = Problem(ss.FrictionLaw("a + b*exp(-v/v_1)"), measured)
+    calls = []
+    value = problem._value
+
+    def counted(*arguments):
+        calls.append(np.broadcast(*arguments).size)
+        return value(*arguments)
+
+    problem._value = counted
+    problem._misfits(np.ones((4000, 3)))
+    assert sum(calls) == 4_000_000
+    assert 4 < len(calls) < 20
+
+
+def test_a_few_starts_differ():
+    """Two scales leave room for many."""
+    problem = Problem(ss.FrictionLaw("a + b*exp(-v/v_1) + d*exp(-v/v_2)"), Measurements.of(V, LAW.mu(V)))
+    assert 2 < len(list(problem.starts())) < 9
