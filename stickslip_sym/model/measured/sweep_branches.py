@@ -251,7 +251,7 @@ def _turns(v: FloatArray, span: float | None = None) -> list[int]:
     middles = []
     for turn in turns:
         first = last = turn
-        near = _RELATIVE_DWELL_WIDTH * v[turn]
+        near = min(_RELATIVE_DWELL_WIDTH * v[turn], least / 2)  # else a row might dwell at two turns
         while first > 0 and abs(v[first - 1] - v[turn]) <= near:
             first -= 1
         while last < len(v) - 1 and abs(v[last + 1] - v[turn]) <= near:

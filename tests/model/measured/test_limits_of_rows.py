@@ -164,6 +164,15 @@ def test_a_dwell_at_a_turn_is_halved():
         assert (swept[: len(v)].tolist().count(1) > 11) == dwells
 
 
+def test_speeds_held_at_one_value_turn_in_order():
+    """Within 2 % of each other, any two are near enough for a dwell."""
+    for seed in range(20):
+        v = 1 + 0.02 * np.random.default_rng(seed).uniform(-1, 1, 30)
+        turns = sweep_branches._turns(v)
+        assert np.all(np.diff([0, *turns, len(v)]) > 0)
+        assert branches_of(v, 0.3 - 0.1 * v) is None
+
+
 @pytest.mark.parametrize(("swept", "is_sweep"), [(0.55, False), (0.95, True)])
 def test_most_rows_are_on_branches_where_speeds_were_swept(swept, is_sweep):
     rng = np.random.default_rng(7)
@@ -381,6 +390,14 @@ def test_huber_weights_have_settled():
     factors = np.linalg.lstsq(columns, np.sqrt(weights) * y, rcond=None)[0]
     left = y - sweep_branches.splines(v) @ factors
     assert heavy_tails._weights_of(left) == pytest.approx(weights, abs=1e-5)
+
+
+def test_huber_weights_are_settled_in_some_steps(monkeypatch):
+    steps = []
+    solve = np.linalg.lstsq
+    monkeypatch.setattr(np.linalg, "lstsq", lambda *given, **how: steps.append(1) or solve(*given, **how))
+    heavy_tails.huber_weights(V, LAW.mu(V) + 0.004 * np.random.default_rng(3).normal(size=len(V)))
+    assert 10 <= len(steps) < 50
 
 
 @pytest.mark.parametrize(("off", "is_outlier"), [(0.23, False), (0.7, True)])
