@@ -427,20 +427,23 @@ class Campaign:
                 break
 
     def change(self, folders: list[str]) -> None:
-        """Change each constant of some folders."""
+        """Change each constant of some folders, and run tests, then the benchmark of work."""
         wanted = [
             constant
             for path in modules()
             for constant in constants_of(path)
             if any(constant.module.removeprefix(PACKAGE + "/").startswith(folder) for folder in folders)
         ]
-        at_once = [one for one in wanted if not self._uses[one.module, one.name].needed_on_import]
-        in_child(lambda: with_collected(lambda items: self._change_in_place(at_once, items), []), FOREVER)
-        for constant in wanted:
-            if constant not in at_once:
-                self._change_on_import(constant)
+        on_import = [one for one in wanted if self._uses[one.module, one.name].needed_on_import]
+        at_once = [one for one in wanted if one not in on_import]
+        # What tests keep as they are collected would be missing in the work: it is counted in other processes.
+        for choose, collected in ((self._tests, []), (self._work, [WORK])):
+            task = partial(self._change_in_place, at_once, choose)
+            in_child(partial(with_collected, task, collected), FOREVER)
+            for constant in on_import:
+                self._change_on_import(constant, choose)
 
-    def _change_in_place(self, constants: list[Constant], items: list[Any]) -> None:
+    def _change_in_place(self, constants: list[Constant], choose: "_Choose", items: list[Any]) -> None:
         named = {item.nodeid: item for item in items}
         for constant in constants:
             uses = self._uses[constant.module, constant.name]
@@ -451,41 +454,28 @@ class Campaign:
                 change_in_place(constant, other, uses)
                 return run([named[test] for test in tests if test in named])  # the others are gone since
 
-            self._outcomes(constant, changed)
+            self._outcomes(constant, changed, choose)
 
-    def _change_on_import(self, constant: Constant) -> None:
+    def _change_on_import(self, constant: Constant, choose: "_Choose") -> None:
         def changed(tests: list[str], other: float) -> Any:
             if self._uses[constant.module, constant.name].compiled:
                 run_in_plain_python()
             return with_collected(run, tests, change=(constant, other))
 
-        self._outcomes(constant, changed)
+        self._outcomes(constant, changed, choose)
 
-    def _outcomes(self, constant: Constant, changed: Callable[[list[str], float], Any]) -> None:
+    def _outcomes(self, constant: Constant, changed: Callable[[list[str], float], Any], choose: "_Choose") -> None:
         """Run tests with a constant changed each way, and keep what noticed it."""
         known = self.rows()
-        tests, expected = self._chosen(known, constant)
-        work = self._work(constant)
+        tests, seconds, looked_at = choose(known, constant)
         for other in constant.changed:
-            row = {"constant": list(constant), "other": other, "tests": len(tests), "work": len(work),
-                   "seconds": self._seconds}  # fmt: skip
-            if any(_settles(old, row) for old in known):
-                continue
-            by = "no test enters it in time"
-            passed = any(
-                _is_of(old, row) and old["by"] is None and old["seconds"] >= self._seconds for old in known
-            )
-            by = None if passed else by
-            for chosen, seconds in (([] if passed else tests, expected), (work, SECONDS_OF_WORK)):
-                if chosen:  # each in a process that keeps nothing of the other
-                    limit = SLOWER * (seconds + STARTING)
-                    by = _noticed_by(in_child(partial(changed, chosen, other), limit))
-                    if by is not None:
-                        break
-            self._keep([row | {"by": by}])
+            row = {"constant": list(constant), "other": other, "tests": len(tests), **looked_at}
+            if tests and not any(_settles(old, row, *looked_at) for old in known):
+                found = in_child(partial(changed, tests, other), SLOWER * (seconds + STARTING))
+                self._keep([row | {"by": _noticed_by(found)}])
 
-    def _chosen(self, known: list[dict[str, Any]], constant: Constant) -> tuple[list[str], float]:
-        """Return tests that enter a function which names a constant, and how long they take."""
+    def _tests(self, known: list[dict[str, Any]], constant: Constant) -> "_Chosen":
+        """Return tests that enter a function which names a constant."""
         uses = self._uses[constant.module, constant.name]
         rows = [row for row in known if row.get("plain", False) == uses.compiled]
         chosen, total = list[str](), 0.0
@@ -493,9 +483,9 @@ class Campaign:
             if total + row["seconds"] <= self._seconds:
                 chosen.append(row["test"])
                 total += row["seconds"]
-        return chosen, total
+        return chosen, total, {"seconds": self._seconds}
 
-    def _work(self, constant: Constant) -> list[str]:
+    def _work(self, _: list[dict[str, Any]], constant: Constant) -> "_Chosen":
         """Return the answers whose work is counted and lies most in the modules that hold a constant."""
         recorded = json.loads((ROOT / WORK).with_name("work.json").read_text())
         holding = {module for module, _ in self._uses[constant.module, constant.name].aliases}
@@ -511,10 +501,13 @@ class Campaign:
             if seconds <= left:
                 chosen.append(f"{WORK}::test_work[{name}]")
                 left -= seconds
-        return chosen
+        return chosen, SECONDS_OF_WORK, {"work": len(chosen)}
 
 
 FOREVER = 1e6
+_Chosen = tuple[list[str], float, dict[str, float]]
+"""Names of tests, the seconds that they take, and how much was looked at."""
+_Choose = Callable[[list[dict[str, Any]], Constant], _Chosen]
 
 
 def run_in_plain_python() -> None:
@@ -549,10 +542,9 @@ def _without_line(key: str) -> str:
     return f"{module}:{name}"
 
 
-def _settles(old: dict[str, Any], new: dict[str, Any]) -> bool:
-    """Whether a change was looked at: noticed, or not noticed in as many seconds."""
-    seen = old.get("seconds", 0) >= new["seconds"] and old.get("work", 0) >= new["work"]
-    return _is_of(old, new) and (bool(old["by"]) or seen)
+def _settles(old: dict[str, Any], new: dict[str, Any], looked_at: str) -> bool:
+    """Whether a change was looked at: noticed, or not noticed in as many seconds, or in as much work."""
+    return _is_of(old, new) and (bool(old["by"]) or old.get(looked_at, 0) >= new[looked_at])
 
 
 def _is_of(old: dict[str, Any], new: dict[str, Any]) -> bool:
