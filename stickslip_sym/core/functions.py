@@ -15,7 +15,7 @@ from flint import acb, arb, arb_series
 from sympy.codegen.cfunctions import expm1, log1p
 
 from stickslip_sym.core.aliases import Expr, ExprOrCondition
-from stickslip_sym.core.numbers import bits
+from stickslip_sym.core.numbers import DOUBLE_BITS, bits
 from stickslip_sym.core.special import Ein, Erfcx, Langevin, Lerch, NumberPower, Removable, polylog
 
 T = TypeVar("T")
@@ -85,7 +85,7 @@ class Constant:
     in_laws: bool = False
 
 
-_MOST_ROOT_BITS = 128  # of a rational number times the index of its root, up to which SymPy simplifies (1/4)^(3/2)
+_MOST_ROOT_BITS = 2 * DOUBLE_BITS  # of a number times the index of its root, where SymPy simplifies (1/4)^(3/2)
 
 
 def power(base: Expr, exponent: Expr) -> Expr:

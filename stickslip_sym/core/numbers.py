@@ -40,19 +40,19 @@ DOUBLE_DIGITS = sys.float_info.dig + 2
 """Decimal digits that tell any two doubles apart."""
 NEGLIGIBLE = 2.0**-66
 """Of a value: what doubles do not see."""
-LARGEST = 2.0**960
-"""Short of overflow: a number of many digits times it is still a double. Its inverse is as good as 0."""
+LARGEST = NEGLIGIBLE / sys.float_info.min
+"""Short of overflow. Its inverse is as good as 0: what is negligible beside that still has all digits."""
 SEED = 20160428
 """Of all random numbers: who asks twice gets the same answer."""
 ROUNDING = 1e-14
 """What a sum of some hundred terms in doubles is off by, over its largest."""
-LEAST_RTOL = 1e-13
-"""The least relative error that is promised of what is computed in doubles."""
+LEAST_RTOL = 10 * ROUNDING
+"""The least relative error that is promised of what is computed in doubles: there is a digit beyond it."""
 SAME = 1e-12
 """Relative distance of two numbers that stand for one: it is more than the rounding of a handful of operations."""
 ROOT_OF_ROUNDING = EPSILON**0.5
 """Root of the rounding of a double: relative size of what may be told apart where squares or differences count."""
-NEXT_TO_ZERO = 1e-100  # in place of 0: its square, and one over that, are numbers
+NEXT_TO_ZERO = LARGEST ** (-1 / 3)  # in place of 0: its third power, and one over that, are numbers
 _DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,4})?")
 NUMBER_BITS = 4000
 """Of a number that is no rational one, or of the longer part of a fraction: beyond the digits of any answer."""

@@ -3,6 +3,7 @@
 `Removable` ones are 0/0 at x = 0, and near there power series: a new one is its form and its series.
 """
 
+import math
 from collections.abc import Callable
 from functools import lru_cache
 from typing import Any, ClassVar
@@ -18,10 +19,9 @@ from stickslip_sym.core.aliases import Expr, FloatArray, Mpf
 from stickslip_sym.core.numbers import DOUBLE_BITS, NUMBER_BITS
 from stickslip_sym.core.precision import ball_of_mpmath, middle_in_mpmath, mp, refined, working_precision
 
-_CIRCLE, _BOUND_ON_CIRCLE = (
-    3,
-    8,
-)  # a radius up to which a removable function is analytic, and a bound on its size there
+_CIRCLE = 3  # a radius up to which a removable function is analytic
+# A bound on its size there: coth(z) - 1/z is largest beside its pole i pi, where coth(i y) is -i cot(y).
+_BOUND_ON_CIRCLE = math.ceil(1 / _CIRCLE - 1 / math.tan(_CIRCLE))
 _SERIES_RADIUS = _CIRCLE / 2  # largest argument of its power series
 
 

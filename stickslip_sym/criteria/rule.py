@@ -25,7 +25,7 @@ from stickslip_sym.model.table import AT_ONCE, RISE_RTOL, FrictionTable
 
 _OCTAVES_TO_REST = round(-math.log2(AT_ONCE) / 2)  # of the phase, whose square is a slip speed
 _PANEL_NODES = 16
-_MOST_PARTS = 64  # of a panel: falls within a thousandth of their own speed are resolved
+_MOST_PARTS = 64  # of a panel: falls within a hundredth of their own speed are resolved
 _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(_PANEL_NODES)
 _DEGREES = np.arange(_PANEL_NODES - 2, _PANEL_NODES)
 _HIGHEST_COEFFICIENTS = (_DEGREES[:, None] + 0.5) * np.polynomial.legendre.legvander(_GAUSS, _PANEL_NODES - 1).T[

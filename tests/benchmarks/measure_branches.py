@@ -29,14 +29,12 @@ OTHERS = {
     "NEGLIGIBLE": (2.0**-53, 2.0**-72),
     "_CONDITION": ({-1: 1.1, 1: 1.1}, {-1: 4.0, 1: 16.0}),
     "_ALLOWED_UNITS": (1.0, 8.0),
-    "OCTAVES_BEYOND_SCALES": (20, 80),
-    "_STEPS": (6, 24),
+    "OCTAVES_BEYOND_SCALES": (12, 40),
     "_OCTAVES": ((0.0,), tuple(np.linspace(0, 20, 41))),
     "_BRANCH_NODES": (13, 25),
     "_SMOOTH": (0.05 * 2.0**-52, 5 * 2.0**-52),
     "MOST_INTERVALS": (100, 2000),
     "_AT_KINK": (0.0, 64 * 2.0**-52),
-    "_POINTS_AN_OCTAVE": (2, 64),
 }
 R = np.geomspace(1e-15, 1e15, 121)
 MANY = np.geomspace(1e-15, 1e15, 200_000)

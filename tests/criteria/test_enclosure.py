@@ -6,12 +6,14 @@ from fractions import Fraction
 import mpmath
 import pytest
 import sympy as sp
+from flint import arb
 from hypothesis import given
 from hypothesis import strategies as st
 
 import stickslip_sym as ss
+from stickslip_sym.core.precision import working_precision
 from stickslip_sym.criteria import enclosure
-from stickslip_sym.criteria.enclosure import Enclosure, rounded_outward
+from stickslip_sym.criteria.enclosure import Enclosure, enclosure_of, rounded_outward
 from support.strategies import nested
 from support.sweeps import fewer, sample, sweep
 
@@ -160,6 +162,27 @@ def test_what_is_too_small_is_enclosed_with_zero():
     enclosure = ss.enclose(law, "equilibrium", V=1000, N=1)
     assert enclosure.low == 0 < enclosure.high < Fraction(1, 10**10_000)
     assert (0 in enclosure, enclosure.digits) == (True, 0)
+
+
+def test_ends_are_exact_as_far_as_they_can_be_written():
+    with working_precision(50):
+        for power in (-60_000, 60_000):
+            ends = enclosure_of(arb(3) * arb(2) ** power)
+            assert ends.low == ends.high == 3 * Fraction(2) ** power
+        assert enclosure_of(arb(2) ** -200_000).low == 0
+        with pytest.raises(ss.NotConverged, match="too large to be written"):
+            enclosure_of(arb(2) ** 200_000)
+
+
+def test_fifty_digits_of_an_end_are_shown_at_most():
+    text = str(ss.enclose("0.3*exp(-v)", V=1, N=1, digits=120))
+    assert len(text.removesuffix("[...]").removeprefix("0.")) == 50
+
+
+def test_ends_have_no_more_digits_than_their_radius_gives():
+    radius = Fraction(1, 2**70)
+    ends = rounded_outward(Enclosure(Fraction(1, 3) - radius, Fraction(1, 3) + radius))
+    assert ends.low.denominator == ends.high.denominator == 2**74
 
 
 @given(st.fractions(-1, 1), st.fractions(0, 1), st.integers(-200, 200))

@@ -7,7 +7,7 @@ import pytest
 
 import stickslip_sym as ss
 from stickslip_sym.criteria.criterion import equilibrium, harmonic, least_squares
-from stickslip_sym.criteria.rule import gauss_average
+from stickslip_sym.criteria.rule import gauss_average, gauss_average_of_slope
 from support.narrow_laws import SHAPES, narrow_law
 from support.sweeps import sample, some, sweep
 
@@ -92,6 +92,25 @@ def test_panels_are_cut_until_polynomials_follow_the_slope():
     law = ss.FrictionLaw("0.4 - 0.1*v^2 + 0.01*cos(40*v)")
     deviation, error = off(law, harmonic, 1.0, table=blind(law))
     assert deviation <= error < 1e-11
+
+
+def test_panels_are_parted_for_a_fall_within_a_hundredth_of_its_speed_and_not_for_noise():
+    def counted(slope):
+        asked = []
+
+        def slope_of(v):
+            asked.append(v.size)
+            return slope(v)
+
+        _, (error,), (size,) = gauss_average_of_slope(slope_of, like, [1.0], criterion=harmonic)
+        return error / size, sum(asked)
+
+    like = ss.FrictionLaw("0.3 + 0.1*v").bound.table
+    error, _ = counted(lambda v: np.exp(-(((v - 1.1) / 0.01) ** 2)))
+    assert error < 1e-9
+    error, asked = counted(lambda v: np.sin(1e6 * v))
+    assert error > 1e-3
+    assert asked < 100_000
 
 
 def test_slopes_that_are_not_the_rise_are_an_error():

@@ -6,9 +6,11 @@ import pickle
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import stickslip_sym as ss
 from stickslip_sym.model import at_rest, bound
+from stickslip_sym.model.lipschitz import _is_positive, _speed
 from stickslip_sym.model.table import FrictionTable
 from support.sweeps import sample
 
@@ -110,3 +112,21 @@ def test_what_is_not_smooth_is_said():
     straight = [ss.FrictionLaw(text).bound.is_straight for text in ("0.4 - 0.1*v", "0.4", "0.4 - v^2")]
     assert straight == [True, True, False]
     assert not law.bound.is_straight
+
+
+def test_a_static_coefficient_that_is_that_at_rest_but_for_rounding():
+    for off, above in ((3e-13, False), (3e-12, True)):
+        law = ss.FrictionLaw("0.2 + 0.3*exp(-v)")
+        assert (law.with_static(0.5 * (1 + off)).bound.static > 0.5) == above
+        below = law.with_static(0.5 * (1 - off)).bound
+        if above:
+            with pytest.raises(ss.InputError, match="below"):
+                _ = below.static
+        else:
+            assert below.static == 0.5
+
+
+def test_a_sign_is_shown_over_some_hundred_intervals():
+    """Of a sum that balls as wide as a quarter of a period do not part from 0."""
+    wave = sp.Rational(8, 5) + sp.sin(_speed) + sp.cos(_speed)
+    assert [_is_positive(wave, sp.S.Zero, sp.Integer(end)) for end in (100, 200)] == [True, False]

@@ -172,3 +172,15 @@ def test_a_sketch_is_enough_where_its_errors_are_small_beside_its_values(error, 
 
     resolve(close, [0.0, 1.0], rtol=RTOL, most=MOST, sketch=with_errors(lambda x: 1.0, error / 4))
     assert len(asked) == calls
+
+
+@pytest.mark.parametrize(("error", "calls"), [(3e-4, 0), (2e-3, 1)])
+def test_a_sketch_with_a_root_is_enough_where_its_errors_are_a_thousandth_of_its_values(error, calls):
+    asked = []
+
+    def close(x):
+        asked.append(x)
+        return sampled(x, NOISE)
+
+    resolve(close, [-1.0, 1.0], rtol=RTOL, most=MOST, sketch=with_errors(lambda x: x, error / 4))
+    assert len(asked) == calls

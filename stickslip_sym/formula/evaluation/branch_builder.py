@@ -41,6 +41,7 @@ from stickslip_sym.formula.evaluation.generalised_series import (
     far_out,
 )
 from stickslip_sym.formula.evaluation.reference_average import (
+    ALLOWED_IN_CODE,
     BITS,
     OCTAVES_BEYOND_SCALES,
     SMALLEST,
@@ -70,19 +71,15 @@ from stickslip_sym.numerics.subdivide import (
 _CONDITION = {-1: 1.5, 1: 4.0}
 """Of a series at rest, and far out: the sum of its terms' sizes over the size of the sum, before balls decide."""
 _ALLOWED_UNITS = 2.75  # of eps <|g'|>, by which a formula may differ from balls
-_ALLOWED_IN_CODE = 16  # of the same, by which what is written as code may differ from the definition
 
-_WAVING = (5, 3)  # octaves beyond all scales, up to which a profile that waves for ever has a table
-_STEPS = 12  # octaves from a scale, or from a corner, within which a series begins to hold
+_WAVING = 5  # octaves beyond all scales, up to which a profile that waves for ever has a table
 _MOST_DEFINITION_BITS = 5 * BITS  # for an enclosure of the definition: mu cancels by 2 bits an octave at rest
 _OCTAVES = (0.0, *(0.4 * 1.6**k for k in range(9)))
 """From the end of a series, at which it is compared with balls: the farther, the fewer terms are left."""
 
-_BRANCH_NODES = 19  # of a panel
+_BRANCH_NODES = 19  # of a panel; in an octave as many at which a closed form is compared
 _SMOOTH = 0.5 * EPSILON  # of <|g'|>: the last coefficients of a panel
 _AT_KINK = 4 * EPSILON  # relative: what products of a belt speed and powers of parameters are rounded by
-
-_POINTS_AN_OCTAVE = 16  # in an octave, at which a closed form is compared
 
 
 @lru_cache
@@ -132,7 +129,7 @@ def compared(branches: Branches, profile: Expr, criterion: Criterion, shapes: Su
         if not all(side.is_finite() and float(side.rad()) <= EPSILON * size for side in sides):
             continue  # infinite at rest, or not enclosed: there is nothing to compare with
         exact = reduce(arb.union, sides)
-        if not float((exact - arb(value)).abs_lower()) <= _ALLOWED_IN_CODE * EPSILON * size + SMALLEST:
+        if not float((exact - arb(value)).abs_lower()) <= ALLOWED_IN_CODE * EPSILON * size + SMALLEST:
             return Verdict(Status.REFUTED, f"{value} at r = {r:g}, and by definition {float(exact)}")
         count += 1
     if not count:
@@ -161,7 +158,7 @@ def _looked_at(branches: Branches) -> list[float]:
             steps = np.linspace(0, 1, 2 + math.ceil(2 * math.log2(end / start)))
             places += [start * (end / start) ** step for step in steps[:-1]]
         elif start:
-            places += [start * 2.0**k for k in _OCTAVES if 2 * k < _STEPS]  # a wave has too many periods beyond
+            places += [start * 2.0**k for k in _OCTAVES if k < _WAVING]  # a wave has too many periods beyond
         else:
             places += [min(end, 1.0) / 2.0**k for k in _OCTAVES]
         places.append(math.nextafter(end, 0.0) if end < math.inf else places[-1])
@@ -234,9 +231,7 @@ class _Builder:
         if reach == math.inf:
             direct = self._direct(last[0] if last else self.highest * 2.0**OCTAVES_BEYOND_SCALES)
         if last is None and direct is None:
-            farthest = next(
-                (k for k in (OCTAVES_BEYOND_SCALES, *_WAVING) if self._is_tabulated(self.highest * 2.0**k)), None
-            )
+            farthest = next(filter(self._is_tabulated, (OCTAVES_BEYOND_SCALES, *range(_WAVING, 0, -1))), None)
             if farthest is None:
                 return Unknown(f"{self.profile} varies too often for a table, and has no series far out")
             last = self.highest * 2.0**farthest, nothing
@@ -252,11 +247,10 @@ class _Builder:
         starts, branches = zip(*pairs, *outer, strict=True)
         return Branches(starts, branches)
 
-    def _is_tabulated(self, r: float) -> bool:
-        """Whether few panels are enough in the octave up to a ratio, or it is as close as waves allow."""
-        halvings = math.inf
-        if r > self.highest * 2.0 ** _WAVING[0]:
-            halvings = 2
+    def _is_tabulated(self, octaves: int) -> bool:
+        """Whether panels are enough in the octave that ends so many beyond all scales: the farther, the fewer."""
+        r = self.highest * 2.0**octaves
+        halvings = 2 * OCTAVES_BEYOND_SCALES // octaves
         return not isinstance(attempted(self._panels, r / 2, r, None, halvings), Unknown)
 
     def _powers_alone(self) -> Branches | None:
@@ -299,7 +293,9 @@ class _Builder:
                     factor = GeneralisedSeries({(0, 0): arb(1)})
                 else:
                     factor = expanded(1 / decay, {}, unit, far=False)
-                pair = self._written(series * factor, unit, -1, min(edge, self.lowest * 2.0**_STEPS), decay)
+                pair = self._written(
+                    series * factor, unit, -1, min(edge, self.lowest * 2.0**OCTAVES_BEYOND_SCALES), decay
+                )
                 if pair is not None and (best is None or pair[0] > best[0]):
                     best = pair
         except NotAnalytic:
@@ -323,7 +319,7 @@ class _Builder:
         try:
             series = expanded(slope, self.point, unit, far=True)
             first = math.ceil(math.log2(self.highest))
-            for octave in range(first + 2, first + _STEPS):
+            for octave in range(first + 2, first + OCTAVES_BEYOND_SCALES):
                 end = arb(2) ** octave
                 weight, moments = self.values.moments(end)
                 whole = far_out(series, self.criterion, unit, end, weight, moments)
@@ -337,9 +333,9 @@ class _Builder:
         self, series: GeneralisedSeries, unit: int, side: int, edge: float, function: Expr | None
     ) -> tuple[float, Branch] | None:
         """Return from where, or up to where, a series holds as far as it goes, and the branch."""
-        for half in range(8 * _STEPS):
+        for half in range(8 * OCTAVES_BEYOND_SCALES):
             end = edge * 2.0 ** (side * half / 2)
-            if end > self.highest * 2.0**_STEPS:
+            if end > self.highest * 2.0**OCTAVES_BEYOND_SCALES:
                 return None
             kept = _terms_that_count(series, arb(end) ** (-side), unit, _CONDITION[side])
             if kept is None:
@@ -360,12 +356,12 @@ class _Builder:
             return None
         if not self.local and not all(_is_fast(function) for function in self.closed.atoms(sp.Function)):
             return None
-        octaves = np.arange(-4, np.log2(stop), 1 / _POINTS_AN_OCTAVE)
+        octaves = np.arange(-4, np.log2(stop), 1 / _BRANCH_NODES)
         r = 2.0 ** octaves[::-1]
         for spelling in (sp.expand(self.closed), self.closed):  # expanded, 1 - exp(-V) may become exp(V) - 1
             branch = _as_sum(spelling)
             count = 0 if branch is None else self._agreed(branch, r)
-            if branch is not None and count >= _POINTS_AN_OCTAVE // 2:  # fewer may be luck
+            if branch is not None and count >= _BRANCH_NODES // 2:  # fewer may be luck
                 return float(r[count - 1]), branch
         return None
 

@@ -50,6 +50,8 @@ from stickslip_sym.numerics.subdivide import (
 
 BITS = 2 * DOUBLE_BITS
 """The working precision of values."""
+ALLOWED_IN_CODE = 16.0
+"""Units of eps <|g'|> by which what is written as code may differ from the definition."""
 SMALLEST = 1 / LARGEST
 """What is less counts as 0: floats end there."""
 
@@ -60,18 +62,14 @@ _INTEGRATED = math.sqrt(NEGLIGIBLE)  # in the innermost panel, where the rule al
 _BITS_OF_CLOSED_FORM = -math.log2(NEGLIGIBLE)  # bits of relative accuracy that a value of the closed form needs
 _MOST_PIECES_AN_OCTAVE = 80  # a value takes all of them, and a table takes thousands of values
 _MOST_WORK = 20_000  # pieces that all values may take, for each kink: some seconds; balls give single values then
-_QUARTERS = 5  # halvings of a piece for balls that bound its slope: with 3 a narrow bump takes thrice the time
-_ORDER = 8  # of a power series that bounds it, where terms cancel
+_HALVINGS = round(math.log2(_PIECE_NODES))  # of a piece for balls that bound its slope: as close as its nodes
+_ORDER = _PIECE_NODES // 2  # of a power series that bounds it where terms cancel, and of x^order at rest, at most
 _EXPANSION = round(_BITS_OF_CLOSED_FORM)  # terms of a weight that is no polynomial, which is expanded up to r
-OCTAVES_BEYOND_SCALES = 40
-"""Octaves below the lowest kink, or below 1, where the innermost panel is looked for, and beyond all scales of a
-profile up to which a closed form is compared."""
-_LARGEST_ORDER = 16
-_DEEP = BITS + OCTAVES_BEYOND_SCALES * _LARGEST_ORDER
-"""Bits of working precision there, for differences between such powers."""
+OCTAVES_BEYOND_SCALES = 24
+"""Octaves from a scale of a profile, or from a kink, within which a series begins to hold, or a table ends."""
+_DEEP = BITS + OCTAVES_BEYOND_SCALES * _ORDER  # bits at rest, for differences between such powers
 _P, _Q = sp.symbols("p q", cls=sp.Dummy)
 _LARGEST_LOG = math.log(LARGEST)  # of a speed
-_BEFORE_THE_END = 2.0**-9  # of the speed at which a profile ends: nearer to it there are no values
 
 _Exact = tuple[int, int]
 """The mantissa and the exponent of a number."""
@@ -122,12 +120,12 @@ class ReferenceAverage:
         shapes = [float(value) for value in point.values()]
         self.mean_slope: Callable[[FloatArray], FloatArray] = lambda r: mean_slope(r, *shapes)
         self.reach = reach_of(profile, point)
-        self.end = self.reach * (1 - _BEFORE_THE_END)
+        self.end = self.reach * (1 - ALLOWED_IN_CODE**-2)  # nearer, the rounding of r counts more
         # In the innermost panel x is this power of the variable, for the slope may be a power of x.
         powers = [node for node in profile.atoms(sp.Pow) if node.base.subs(symbols.v, 0) == 0]
         exponents = [node.exp.xreplace(dict(point)) for node in powers]
-        order = 2 * math.lcm(*(int(e.q) if e.is_Rational else _LARGEST_ORDER for e in exponents))
-        self._order = min(order, _LARGEST_ORDER)
+        order = 2 * math.lcm(*(int(e.q) if e.is_Rational else _ORDER for e in exponents))
+        self._order = min(order, _ORDER)
         self._pieces: dict[int, list[_Piece]] = {}
         self._resolved_pieces: dict[tuple[float, float], list[_Piece] | Unknown] = {}
         self._work = 0  # pieces that all values so far took
@@ -319,7 +317,7 @@ class ReferenceAverage:
             ball = slope(acb(arb(middle, half.abs_upper())), False).real
             return ball.is_finite() and (bool(abs(ball) <= most) or self._bounded_by_series(middle, half, most))
 
-        return shown(holds, [(low, high)], halvings=_QUARTERS, cut=exact_middle)
+        return shown(holds, [(low, high)], halvings=_HALVINGS, cut=exact_middle)
 
     def _bounded_by_series(self, middle: arb, half: arb, most: arb) -> bool:
         """Say the same by a power series, whose remainder counts less where terms of the slope cancel."""

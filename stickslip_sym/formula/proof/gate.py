@@ -35,8 +35,6 @@ from stickslip_sym.model.terms import shapes_of
 
 GATE_POINTS = 12
 GATE_DIGITS = 30
-_QUADRATURE_DIGITS = 24  # by mpmath, where the definition is not enclosed: each digit takes long there
-_DIGITS_NOT_CLAIMED = GATE_DIGITS - DIGITS_OF_EQUALITY  # of these digits, which are not claimed
 _MOST_DRAWS = 40
 _DECADES = 3  # to both sides of 1, of the belt speed and of every shape, for the points of the gate
 _EXPONENT_DECADES = 0.5  # of a shape that is an exponent
@@ -73,7 +71,7 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
         except (InputError, NotConverged):
             continue
         got = enclosure_of(value)
-        digits = GATE_DIGITS if surely else _QUADRATURE_DIGITS - _DIGITS_NOT_CLAIMED
+        digits = GATE_DIGITS if surely else DIGITS_OF_EQUALITY
         if not all(_is_known(side, profile, point, digits) for side in (expected, got)):
             continue
         if not expected.overlaps(got):
@@ -83,11 +81,7 @@ def verify(profile: Expr, criterion: Criterion, closed: Expr, conditions: Sequen
         compared += 1
         enclosed = enclosed and surely and too
         if compared == GATE_POINTS or not closed.free_symbols:
-            what = (
-                f"enclosures to {GATE_DIGITS}"
-                if enclosed
-                else f"quadrature to {_QUADRATURE_DIGITS - _DIGITS_NOT_CLAIMED}"
-            )
+            what = f"enclosures to {GATE_DIGITS}" if enclosed else f"quadrature to {DIGITS_OF_EQUALITY}"
             return Verdict(Status.CHECKED, f"agrees with {what} digits at {GATE_POINTS} random points")
     evidence = f"only {compared} of {_MOST_DRAWS} points could be compared with the definition"
     return Verdict(Status.ESTIMATED, evidence)
@@ -129,7 +123,6 @@ def _definition(profile: Expr, criterion: Criterion, point: Substitution) -> tup
     # The profile is infinite at v = 0, or holds a function that is not enclosed.
     mu = function_of([symbols.v], profile.xreplace(shapes), mp.context)
     kinks = kinks_at(profile, shapes)
-    digits = _QUADRATURE_DIGITS
-    number = exact(quadrature.average(mu, kinks, criterion, point[symbols.V], digits), "value")
-    margin = abs(number) / sp.Integer(10) ** (digits - _DIGITS_NOT_CLAIMED)
+    number = exact(quadrature.average(mu, kinks, criterion, point[symbols.V], GATE_DIGITS), "value")
+    margin = abs(number) / sp.Integer(10) ** DIGITS_OF_EQUALITY
     return Enclosure.of(number - margin, number + margin), False

@@ -9,9 +9,14 @@ from itertools import pairwise
 import mpmath
 import numpy as np
 import pytest
+import sympy as sp
+from flint import arb
 
 import stickslip_sym as ss
+from stickslip_sym.core.precision import working_precision
+from stickslip_sym.formula.evaluation.branch_builder import compared
 from stickslip_sym.formula.evaluation.branches import Branches, Sum
+from stickslip_sym.formula.evaluation.reference_average import BITS, ReferenceAverage
 from stickslip_sym.formula.evaluation.term_function import TermFunction
 from stickslip_sym.numerics.known import Unknown
 from support import accuracy
@@ -178,3 +183,50 @@ def test_laws_in_pieces_have_branches(text, criterion):
     V = np.geomspace(1e-3, 1e3, 13) * 1.0003
     exact = accuracy.by_definition(average, {"V": V, "N": np.ones(V.size)})
     assert average(V=V, N=1.0) == pytest.approx(np.array(exact, dtype=float), rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("name", "criterion", "farthest"),
+    [("hyperbolic", "harmonic", 16), ("exponential", "harmonic", 32), ("logarithmic", "least_squares", 4)],
+)
+def test_how_far_out_a_series_holds(name, criterion, farthest):
+    """Up to there go panels, and what is written as code."""
+    (branches,) = (
+        function.branches() for function in ss.slope_average(ss.laws[name].typical(), criterion).functions
+    )
+    assert branches.starts[-1] == farthest
+
+
+def branches_of(text, criterion):
+    (branches,) = (function.branches() for function in ss.slope_average(text, criterion).functions)
+    return branches
+
+
+def test_what_has_no_series_has_a_table_of_some_octaves():
+    """One that is wider by half ends where floats do, and then there would be none."""
+    assert branches_of("exp(-log(v)^2)", "equilibrium").starts[1] == 2.0**-24
+
+
+def test_a_wave_has_a_table_of_a_few_periods():
+    assert branches_of("sin(v)", "harmonic").starts[-1] == 32
+
+
+@pytest.mark.parametrize(("off", "status"), [(8, "CHECKED"), (30, "REFUTED")])
+def test_code_may_differ_from_the_definition_by_some_units(off, status):
+    """The average of v^2 is -2 V, one branch of one number."""
+    profile, criterion = ss.symbols.v**2, ss.criteria.catalogue["least_squares"]
+    branches = branches_of("v^2", "least_squares")
+    (((function, (coefficient,)),),) = [branch.parts for branch in branches.branches]
+    moved = replace(branches.branches[0], parts=((function, (coefficient * (1 + off * accuracy.EPSILON),)),))
+    verdict = compared(replace(branches, branches=(moved,)), profile, criterion, {})
+    assert verdict.status.value == status
+
+
+def test_some_dozens_of_pieces_an_octave_follow_a_slope():
+    def value(profile):
+        with working_precision(BITS):
+            return ReferenceAverage(profile, ss.criteria.catalogue["harmonic"], None, {})(arb(1))
+
+    assert value(sp.sin(100 * ss.symbols.v)).is_finite()
+    with pytest.raises(ss.NotConverged):
+        value(sp.sin(500 * ss.symbols.v))
