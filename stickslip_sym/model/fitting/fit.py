@@ -267,8 +267,8 @@ def _rivals(fitted: Fit, rivals: list[tuple[int, Minimum]]) -> Iterator[str]:
     """Yield which other places and frequencies describe the measurements nearly as well."""
     for i, minimum in rivals:
         name = list(fitted.values)[i]
-        rise = (minimum.chi_squared - fitted.chi_squared) / fitted.variance
-        if rise < chdtri(1, VERY_UNLIKELY):  # the noise may have chosen
+        rise = minimum.chi_squared - fitted.chi_squared
+        if rise <= chdtri(1, VERY_UNLIKELY) * fitted.variance:  # the noise may have chosen
             yield (
                 f"{name} = {minimum.p[i]:.4g} describes the measurements nearly as well as "
                 f"{fitted.values[name]:.4g}: standard errors hold for one of them; measure at more speeds, or "

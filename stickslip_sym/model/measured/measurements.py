@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from stickslip_sym.core.aliases import BoolArray, FloatArray, IntArray
 from stickslip_sym.core.errors import InputError
-from stickslip_sym.core.numbers import Number, fraction, read_array, real, require_type
+from stickslip_sym.core.numbers import SAME, Number, fraction, read_array, real, require_type
 from stickslip_sym.core.remedies import Argument
 from stickslip_sym.core.units import has_no_unit, strip_unit
 from stickslip_sym.model.measured.blocks import VARIES, Block, refuse_contradiction
@@ -231,7 +231,8 @@ class Measurements(Drawn, TableResult):
 
         With `sigma` the mean is weighted by 1/sigma^2, and its standard deviation is that of the weighted mean.
         Without it the scatter of the rows of one speed about their mean, pooled over all speeds that repeat,
-        divided by the root of the number of rows, is the standard deviation of each mean.
+        divided by the root of the number of rows, is the standard deviation of each mean; where they agree in all
+        digits, it is not known.
         """
         speeds, index = np.unique(self.v, return_inverse=True)
         if len(speeds) == len(self):
@@ -240,14 +241,17 @@ class Measurements(Drawn, TableResult):
             return replace(self, mu=self.means, branches=None, tails=None)
         total = np.bincount(index, self.weights**2)
         mean = np.bincount(index, self.weights**2 * self.means) / total
-        scatter = 1.0
         said = "weighted by 1/sigma^2"
+        deviations: FloatArray | None = 1 / np.sqrt(total)
         if self.sigma is None:
             squares = (self.weights * (self.means - mean[index])) ** 2
             scatter = float(np.sqrt(np.sum(squares) / (len(self) - len(speeds))))
             said = f"scatter {scatter:.2g} about the means"
+            deviations = scatter / np.sqrt(total)
+            if scatter <= SAME * np.max(np.abs(mean)):  # rounding
+                said = "at each of which rows agree"
+                deviations = None
         understood = f"{self.understood}; averaged at {len(speeds)} speeds, {said}"
-        deviations = scatter / np.sqrt(total)
         return replace(
             self,
             v=speeds,

@@ -135,7 +135,7 @@ def sweep_branches_of(
     n = len(v) - curve.shape[1]
     best = math.inf
     chosen = list[int]()
-    if not apart.any():
+    if not (apart.any() and mu.any()):
         return none if rising else None
     all_terms = np.flatnonzero(apart)
     rest = y - left[:, all_terms] @ np.linalg.lstsq(left[:, all_terms], y, rcond=None)[0]

@@ -1,5 +1,6 @@
 """What few rows say: weights of laws, one noise, Student's distribution, laws that do not describe them."""
 
+import re
 import warnings
 from types import SimpleNamespace
 
@@ -12,6 +13,7 @@ from scipy.special import bdtr, bdtrc
 import stickslip_sym as ss
 from stickslip_sym.comparison.decision import Decision, unmeasured_part
 from stickslip_sym.model.fitting.averaged import Averaged, ByLaw
+from stickslip_sym.model.measured.measurements import Measurements
 from support.sweeps import sweep
 
 LAWS = ["linear", "exponential", "gaussian", "hyperbolic", "tanh", "lorentzian"]
@@ -229,3 +231,26 @@ def test_masked_rows_are_left_out_and_counted():
     assert str(left) == "10 rows, 2 masked rows left out"
     masked, plain = (ss.fit(*rows, laws="linear").best.values for rows in (hidden, (v[keep], mu[keep])))
     assert masked == plain
+
+
+def test_rows_without_friction_have_branches_that_are_alike():
+    v = np.r_[np.linspace(0, 1, 20), np.linspace(1, 0, 20)]
+    assert not Measurements.of(v, np.zeros(40)).branches.differ
+
+
+@pytest.mark.parametrize("mu", [(0.4, 0.4, 0.3, 0.2), (0.1, 0.1, 0.1, 0.1)])
+def test_means_of_rows_that_agree_have_no_known_error(mu):
+    """One by rounding, 3e-17, would be no measurement's, and its inverse may be infinite."""
+    means = Measurements.of(np.tile([0.1, 0.4, 0.7, 1.0], 3), np.tile(mu, 3)).averaged()
+    assert means.sigma is None
+    assert means.mu == pytest.approx(mu, rel=1e-14)
+    assert "averaged at 4 speeds, at each of which rows agree" in means.understood
+
+
+def test_a_wave_in_rows_that_are_all_alike_may_have_any_frequency():
+    v = np.round(np.linspace(0.9, 1.1, 60), 4)
+    try:
+        warned = ss.fit(v, np.full(60, 0.3), laws="a + h*sin(w*v)").best.warnings
+    except ss.InputError as error:
+        warned = [str(error)]
+    assert re.search("describes the measurements nearly as well|say nothing of w|apart", "".join(warned))

@@ -155,8 +155,8 @@ def test_a_branch_has_some_speeds(speeds, is_branch):
 
 
 def test_a_dwell_at_a_turn_is_halved():
-    """Rows that differ by a hundredth dwell at the turn; those that differ by a twentieth are on their branch."""
-    for step, dwells in ((0.01, True), (0.05, False)):
+    """Rows that differ by a hundredth dwell at the turn; those that differ by 4 % are on their branch."""
+    for step, dwells in ((0.01, True), (0.04, False)):
         rise = np.concatenate([np.linspace(0, 0.8, 9), [1 - step, 1.0]])
         v = np.concatenate([rise, [1 - step, 1 - step, 1 - step, 1 - step], np.linspace(0.8, 0, 9)])
         found = branches_of(np.tile(v, 4), np.tile(0.3 - 0.1 * v, 4))
