@@ -81,11 +81,11 @@ def _as_printed(expr: Any) -> Any:
     return expr
 
 
-class _Printer(LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
+class _Printer(LatexPrinter):
     """With positive terms first, and one mark below the integral of a cycle."""
 
     def _as_ordered_terms(self, expr: Any, order: str | None = None) -> list[Any]:
-        terms: list[Any] = super()._as_ordered_terms(expr, order=order)
+        terms = super()._as_ordered_terms(expr, order=order)
         return sorted(terms, key=lambda t: (t.could_extract_minus_sign(), not t.has(_ACCELERATION), t.has(u)))
 
     def _print_Integral(self, expr: Any) -> str:

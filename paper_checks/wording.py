@@ -25,13 +25,12 @@ def by_law(texts: Iterable[str]) -> str:
 
 def formula(expr: Any) -> str:
     """Write an expression as text: Bessel functions as I_1(z), and no sum that begins with a minus needlessly."""
-    written: str = _Printer().doprint(expr)
-    return written
+    return _Printer().doprint(expr)
 
 
-class _Printer(StrPrinter):  # type: ignore[misc]  # SymPy is untyped
+class _Printer(StrPrinter):
     def _as_ordered_terms(self, expr: Any, order: str | None = None) -> list[Any]:
-        terms: list[Any] = super()._as_ordered_terms(expr, order=order)
+        terms = super()._as_ordered_terms(expr, order=order)
         return sorted(terms, key=lambda term: bool(term.could_extract_minus_sign()))
 
     def _print_BesselBase(self, expr: Any) -> str:

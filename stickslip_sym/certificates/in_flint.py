@@ -73,7 +73,7 @@ class LawInFlint:
 
     def text(self, expr: Expr) -> str:
         """Return an expression of v and the parameters."""
-        return str(self._printer.doprint(expr))
+        return self._printer.doprint(expr)
 
     def _function(self, expr: Expr) -> str:
         """Return a line of a list: an expression of v as text.
@@ -111,7 +111,7 @@ def listed(items: Sequence[str], width: int = WIDTH) -> str:
     return "\n    ".join(["[", *(f"{item}," for item in items)]) + "\n]"
 
 
-class _Flint(StrPrinter):  # type: ignore[misc]  # SymPy is untyped
+class _Flint(StrPrinter):
     """Expressions of balls; `used` are the functions of the page that they call."""
 
     def __init__(self, names: Mapping[Expr, str], methods: Set[str]) -> None:

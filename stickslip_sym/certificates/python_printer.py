@@ -18,7 +18,7 @@ WIDTH = 115
 _LONG = "  # fmt: skip  # noqa: E501"
 
 
-class _Script(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
+class _Script(Readable, StrPrinter):
     def __init__(self, names: Mapping[Expr, str]) -> None:
         super().__init__()
         self.names = names

@@ -93,7 +93,7 @@ def _compiled(arguments: tuple[Expr, ...], expr: Expr | tuple[Expr, ...], backen
     return compiled
 
 
-class _Exact(MpmathPrinter):  # type: ignore[misc]  # SymPy is untyped
+class _Exact(MpmathPrinter):
     """Numbers of any length as Python reads them: in decimals it takes 4300 digits at most."""
 
     def __init__(self) -> None:

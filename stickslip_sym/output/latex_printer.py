@@ -91,7 +91,7 @@ def _length(latex: str) -> int:
     return len(re.sub(r"\\(mathrm|operatorname|left|right|[bB]igg?[lr])|[{}_^ ]", "", latex))
 
 
-class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
+class _Latex(Readable, LatexPrinter):
     printmethod = None  # SymPy's constants would print themselves, Catalan's as G beside any G
 
     def __init__(self, names: Notation, dummies: Mapping[Expr, str], *, slashes: bool) -> None:
@@ -126,7 +126,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         function = row(expr) if isinstance(expr, sp.Function) else None
         if function is not None and function.latex is not None:
             return self._print_function(function, *expr.args)
-        return str(super()._print(expr, **options))
+        return super()._print(expr, **options)
 
     def _called(self, head: Function | Constant) -> str:
         r"""Return the name of a function or a constant, another one where a symbol looks like it.
@@ -238,7 +238,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         """Return factors beside each other, after a fraction; what stands alone has no brackets."""
         first = [] if number == 1 and (fraction or parts) else [sp.sympify(number)]
         if not fraction and len(first) + len(parts) == 1:
-            return str(self._print([*first, *parts][0]))
+            return self._print([*first, *parts][0])
         if fraction:
             texts = [fraction]
         else:
@@ -320,7 +320,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
 
     def _print_Function(self, expr: Expr, exp: str | None = None) -> str:
         if not isinstance(expr, AppliedUndef):
-            return str(super()._print_Function(expr, exp))
+            return super()._print_Function(expr, exp)
         return self._applied(self._print(sp.Symbol(type(expr).__name__)), *expr.args)
 
     def _applied(self, name: str, *arguments: Expr) -> str:
@@ -341,7 +341,7 @@ class _Latex(Readable, LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
 
     def _print_Integral(self, expr: sp.Integral) -> str:
         if len(expr.limits) != 1 or len(expr.limits[0]) != 3:
-            return str(super()._print_Integral(expr))
+            return super()._print_Integral(expr)
         variable, *ends = expr.limits[0]
         printed = self._print(expr.function)
         sign = ""
@@ -373,7 +373,7 @@ def latex(expr: Expr | Condition, names: Notation | None = None, *, inline: bool
     dummies = spellings(expr, names or ())
     written = [dummies.get(symbol, symbol.name) for symbol in expr.atoms(sp.Symbol)]
     printer = _Latex(distinct_notation(written, names or {}), dummies, slashes=inline)
-    return str(printer.doprint(elementary(expr)))  # type: ignore[type-var]  # one or the other
+    return printer.doprint(elementary(expr))  # type: ignore[type-var]  # one or the other
 
 
 def latex_value(number: Expr) -> str:

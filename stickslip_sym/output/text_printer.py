@@ -10,6 +10,7 @@ from fractions import Fraction
 
 import sympy as sp
 from sympy.printing.precedence import PRECEDENCE
+from sympy.printing.printer import Printer
 from sympy.printing.str import StrPrinter
 
 from stickslip_sym.core.aliases import Condition, Expr
@@ -20,26 +21,26 @@ _LEAST_COMPUTED_DENOMINATOR = 2**20  # least denominator of a binary number that
 _LONGEST_DECIMAL = 24  # characters
 
 
-class Readable:
+class Readable(Printer):
     """What the printers for text and LaTeX have in common."""
 
     dummies: Mapping[Expr, str]
     """The names of the dummies in what is printed, none that of another symbol."""
 
     def _as_ordered_terms(self, expr: Expr, order: str | None = None) -> list[Expr]:
-        terms: list[Expr] = super()._as_ordered_terms(expr, order=order)  # type: ignore[misc]  # a printer's
+        terms = super()._as_ordered_terms(expr, order=order)
         first = next((term for term in terms if not term.could_extract_minus_sign()), None)
         return sorted(terms, key=lambda term: term is not first)
 
     def _print_Derivative(self, expr: sp.Derivative) -> str:
-        return self._primed(expr) or str(super()._print_Derivative(expr))  # type: ignore[misc]  # a printer's
+        return self._primed(expr) or super()._print_Derivative(expr)
 
     def _print_Subs(self, expr: sp.Subs) -> str:
         if isinstance(expr.expr, sp.Derivative) and len(expr.point) == 1:
             primed = self._primed(expr.expr, expr.point[0])
             if primed:
                 return primed
-        return str(super()._print_Subs(expr))  # type: ignore[misc]  # a printer's
+        return super()._print_Subs(expr)
 
     def _primed(self, derivative: sp.Derivative, place: Expr | None = None) -> str:
         """Return x'(t), or at a place x'(t_P); nothing where what is derived is no function of one argument."""
@@ -47,14 +48,14 @@ class Readable:
         if not isinstance(function, sp.core.function.AppliedUndef) or len(function.args) != 1:
             return ""
         mark = "'" * sum(count for _, count in derivative.variable_count)
-        name = self._print(sp.Symbol(function.func.__name__))  # type: ignore[attr-defined]  # a printer's
+        name = self._print(sp.Symbol(function.func.__name__))
         return self._applied(f"{name}{mark}", function.args[0] if place is None else place)
 
     def _applied(self, name: str, argument: Expr) -> str:
-        return f"{name}({self._print(argument)})"  # type: ignore[attr-defined]  # a printer's
+        return f"{name}({self._print(argument)})"
 
 
-class _Text(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
+class _Text(Readable, StrPrinter):
     def __init__(self, dummies: Mapping[Expr, str], least: int) -> None:
         super().__init__()
         self.dummies = dummies
@@ -70,14 +71,14 @@ class _Text(Readable, StrPrinter):  # type: ignore[misc]  # SymPy is untyped
             written = decimal(number, least=self._least)
         over = not written and is_over_decimal(number)
         if not (over or written):
-            return str(super()._print_Mul(expr))
+            return super()._print_Mul(expr)
         shown = self.parenthesize(rest, PRECEDENCE["Mul"])
         if over:
             return f"{'-' * bool(number < 0)}{shown}/{decimal(abs(1 / number))}"
         return written + (shown.removeprefix("1") if shown.startswith("1/") else f"*{shown}")
 
-    def _print_Rational(self, expr: Expr) -> str:
-        return decimal(expr, least=self._least) or str(super()._print_Rational(expr))
+    def _print_Rational(self, expr: sp.Rational) -> str:
+        return decimal(expr, least=self._least) or super()._print_Rational(expr)
 
     def _print_Exp1(self, expr: Expr) -> str:
         del expr
@@ -140,4 +141,4 @@ def text(expr: Expr | Condition) -> str:
         return f"{text(expr.lhs)} {expr.rel_op.replace('==', '=')} {text(expr.rhs)}"
     has_decimals = any(map(is_decimal, expr.atoms(sp.Rational)))
     least = 0 if has_decimals else _LEAST_DENOMINATOR  # 0.4 beside 0.07, and 1/3
-    return str(_Text(spellings(expr), least).doprint(elementary(expr)))  # type: ignore[type-var]  # one or the other
+    return _Text(spellings(expr), least).doprint(elementary(expr))  # type: ignore[type-var]  # one or the other

@@ -54,7 +54,7 @@ class Names:
         return candidate
 
 
-class CoqPrinter(Printer):  # type: ignore[misc]  # SymPy is untyped
+class CoqPrinter(Printer):
     """Print an expression in the notation of Coq's real numbers; `names` are those of its symbols."""
 
     printmethod = "_coq"
@@ -65,7 +65,7 @@ class CoqPrinter(Printer):  # type: ignore[misc]  # SymPy is untyped
 
     def whole(self, expr: Expr) -> str:
         """Return an expression as the argument of a function: in parentheses unless it is one word."""
-        text: str = self._print(expr)
+        text = self._print(expr)
         return text if re.fullmatch(r"\w+", text) else f"({text})"
 
     def head(self, expr: Expr) -> str:
@@ -132,14 +132,14 @@ class CoqPrinter(Printer):  # type: ignore[misc]  # SymPy is untyped
 
     def _print_Add(self, expr: Expr) -> str:
         terms = sorted(expr.as_ordered_terms(), key=lambda term: bool(term.could_extract_minus_sign()))
-        text: str = self._print(terms[0])
+        text = self._print(terms[0])
         for term in terms[1:]:
             negative = term.could_extract_minus_sign()
             text += f" {'-' if negative else '+'} {self._operand(-term if negative else term)}"
         return text
 
     def _operand(self, expr: Expr) -> str:
-        text: str = self._print(expr)
+        text = self._print(expr)
         is_closed = not expr.is_Add and not text.startswith(("-", "/", "if "))
         return text if is_closed else f"({text})"
 
@@ -182,7 +182,7 @@ class CoqPrinter(Printer):  # type: ignore[misc]  # SymPy is untyped
     def _print_Piecewise(self, expr: sp.Piecewise) -> str:
         (value, holds), *others = expr.args
         if holds == sp.true:
-            return str(self._print(value))
+            return self._print(value)
         rest = self._print(expr.func(*others))
         return f"if {self._condition(holds)} then {self._print(value)} else {rest}"
 

@@ -84,7 +84,7 @@ class Script:
 
     def code(self, expr: Expr) -> str:
         """Return an expression in Coq."""
-        return str(self.printer.doprint(expr))
+        return self.printer.doprint(expr)
 
     def whole(self, expr: Expr) -> str:
         """Return an expression in Coq as an argument."""

@@ -100,7 +100,7 @@ def expression_text(expr: Expr, names: Mapping[Expr, str], language: Language) -
     if special := functions & _SPECIAL:
         raise InputError(f"{refusal}{', '.join(sorted(special))}")
     try:
-        return str(_PRINTERS[language.name](language, names).doprint(expr.xreplace(numbers)))
+        return _PRINTERS[language.name](language, names).doprint(expr.xreplace(numbers))
     except PrintMethodNotImplementedError:
         raise InputError(f"{refusal}one of {', '.join(sorted(functions))}") from None
 
@@ -112,11 +112,11 @@ def _elementwise(text: str, language: Language) -> str:
     return text
 
 
-class _Written:
+class _Written(CodePrinter):
     """What SymPy's printers have in common here: names for symbols, and numbers that are read back exactly."""
 
     def __init__(self, language: Language, names: Mapping[Expr, str]) -> None:
-        super().__init__({"user_functions": dict(language.functions), "strict": True})  # type: ignore[call-arg]
+        super().__init__({"user_functions": dict(language.functions), "strict": True})
         self._names = names
         self._written_in = language
 
@@ -128,7 +128,7 @@ class _Written:
 
     def _print_reciprocal(self, expr: Expr) -> str:
         """Print what SymPy would write by exponentials, which overflow."""
-        return f"({self._print(1 / _RECIPROCALS[type(expr)](*expr.args))})"  # type: ignore[attr-defined]
+        return f"({self._print(1 / _RECIPROCALS[type(expr)](*expr.args))})"
 
 
 for _kind in ("Integer", "Rational", "Half", "Float", "NumberSymbol", "Pi", "Exp1"):
@@ -137,7 +137,7 @@ _RECIPROCALS: dict[type[Expr], type[Expr]] = {sp.sech: sp.cosh, sp.coth: sp.tanh
 for _function in _RECIPROCALS:
     setattr(_Written, f"_print_{_function.__name__}", _Written._print_reciprocal)
 
-_PRINTERS: dict[str, type[CodePrinter]] = {
+_PRINTERS: dict[str, type[_Written]] = {
     name: type("Printer", (_Written, printer), {})
     for name, printer in (
         ("python", NumPyPrinter),

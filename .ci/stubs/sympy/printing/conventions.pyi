@@ -1,0 +1,3 @@
+from sympy import Expr
+
+def requires_partial(expr: Expr) -> bool: ...
