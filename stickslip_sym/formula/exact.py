@@ -28,7 +28,6 @@ _MOST_EXACT_BITS = math.ceil(MOST_DIGITS * math.log2(10))
 """Of working precision, before a value counts as out of reach."""
 _BITS_LOST = math.ceil(MOST_DIGITS_LOST * math.log2(10))
 """Beyond those asked for, before a formula is taken apart by exact arithmetic, which takes long."""
-_LONGEST_SERIES = 1e4  # an argument from where as many terms cancel, for which mpmath has no asymptotic series
 
 
 def to_digits(expr: Expr, point: Substitution, digits: int) -> Mpf:
@@ -85,7 +84,7 @@ def _evaluate_by_mpmath(node: Expr, arguments: list[acb]) -> acb:
     if not all(argument.is_finite() for argument in arguments):
         return acb("nan")
     entire = isinstance(node, sp.hyper) and len(node.ap) == len(node.bq) > 2
-    if entire and arguments[-1].abs_lower() > _LONGEST_SERIES:
+    if entire and arguments[-1].abs_lower() > _MOST_EXACT_BITS * math.log(2):  # so many cancel
         raise NotConverged("a hypergeometric series of the closed form is too long")
     function = _compile_packed(
         node.func, tuple(len(a) if isinstance(a, sp.Tuple) else 0 for a in node.args), mp.context

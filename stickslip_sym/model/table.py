@@ -80,7 +80,7 @@ STEEPER = 4.0  # times the steepest slope of a polynomial: balls are larger than
 AT_ONCE = SAME**2
 """Times V: slip comes to that speed within 1e-12/omega, in which nothing happens."""
 _CUTS = 3  # halvings of the ball over an interval, to bring it closer to what it holds
-_RISE_OF_NO_ACCOUNT = 100.0  # times the level of the last coefficients: a rise of no account, however steep
+_RISE_OF_NO_ACCOUNT = RISE_RTOL / _TAIL_SIZE  # times the level of the last coefficients, however steep
 _BALL_BITS = DOUBLE_BITS + round(-math.log2(_LOWEST))  # 1 - exp(-v) has digits down to there
 
 _CHEBYSHEV_GRID = grid(TABLE_DEGREE + 1)

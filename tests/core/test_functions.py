@@ -11,7 +11,7 @@ from flint import acb, arb, arb_series
 import stickslip_sym as ss
 from stickslip_sym.core import balls, functions
 from stickslip_sym.core.functions import FUNCTIONS, Function
-from stickslip_sym.core.lambdify import function_of
+from stickslip_sym.core.lambdify import function_of, power_of
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.core.special import Langevin, Removable
 from stickslip_sym.model.at_rest import stable_difference
@@ -167,3 +167,12 @@ def test_exact_numbers_of_any_length_are_computed_with():
     x, number = sp.Symbol("x"), sp.Rational(-(10**5000) - 1, 3)
     (value,) = function_of([x], [number * x], "mpmath")(mpmath.mpf(3))
     assert mpmath.almosteq(value, -(mpmath.mpf(10) ** 5000), rel_eps=1e-14)
+
+
+@pytest.mark.parametrize("exponent", [12.0, 20.0, 24.0])
+def test_a_high_power_is_rounded_once(exponent):
+    """By products it would be off by some units."""
+    x = np.random.default_rng(3).uniform(0.5, 3, 300)
+    with mpmath.workdps(30):
+        exact = np.array([float(mpmath.mpf(one) ** exponent) for one in x.tolist()])
+    assert power_of(x, exponent) == pytest.approx(exact, rel=2.5e-16, abs=0)

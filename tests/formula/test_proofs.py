@@ -12,9 +12,11 @@ from stickslip_sym import Status, symbols
 from stickslip_sym.core.balls import ball_function
 from stickslip_sym.core.functions import write_sech
 from stickslip_sym.core.numbers import bits
+from stickslip_sym.core.precision import GUARD_BITS, working_precision
 from stickslip_sym.core.special import Lerch
 from stickslip_sym.core.symbols import V, a, b, mu, s, u
 from stickslip_sym.formula.proof import proving
+from stickslip_sym.formula.proof.algebra import Algebra
 from stickslip_sym.formula.proof.normal_form import expand_above, normal_form
 from stickslip_sym.formula.proof.proving import prove_equal, prove_positive
 from stickslip_sym.formula.proof.theorems import Antiderivative, ChangeOfVariable, PieceByPiece, value_at
@@ -332,3 +334,32 @@ def test_no_number_in_a_formula_passes_its_limit():
             continue
         assert all(bits(number) <= 4096 for number in expr.atoms(sp.Rational)), formula
     assert 10 < refused < 60
+
+
+@pytest.mark.parametrize(("orders", "status"), [(100, Status.CHECKED), (200, Status.ESTIMATED)])
+def test_a_sign_is_certain_where_some_hundred_bits_cancel(orders, status):
+    """sqrt(10^(2 n) + w^2) is above 10^n by a part of about 10^(-2 n)."""
+    power = sp.Integer(10) ** orders
+    assert prove_positive(sp.sqrt(power**2 + w**2) - power).status is status
+
+
+def test_sides_that_differ_beyond_the_digits_of_equality_are_told_apart():
+    assert prove_equal(w, w * (1 + sp.Rational(1, 10**28))).status is Status.REFUTED
+
+
+@pytest.mark.parametrize(("width", "is_known"), [(4, True), (6, False)])
+def test_an_integral_is_unknown_that_asks_for_its_integrand_too_often(width, is_known):
+    """Of a peak within 10^-width of the range."""
+    peak = 1 / (1 + (10**width * (symbols.v - sp.Rational(1, 3))) ** 2)
+    with working_precision(proving._BITS_OF_VALUE + GUARD_BITS):
+        assert proving._ball_of_integral(Int(peak, (symbols.v, 0, 1))).is_finite() == is_known
+
+
+@pytest.mark.parametrize(("roots", "is_read"), [(15, True), (25, False)])
+def test_square_roots_that_one_formula_may_hold(roots, is_read):
+    formula = sp.Add(*[sp.sqrt(V + i) for i in range(1, roots + 1)])
+    if is_read:
+        assert Algebra(V, []).of(formula).polynomial
+    else:
+        with pytest.raises(ValueError, match="square roots and functions"):
+            Algebra(V, []).of(formula)

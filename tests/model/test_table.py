@@ -240,3 +240,17 @@ def test_a_layer_at_rest_by_a_root_is_tabulated_however_thin(base, width):
     assert law.bound.table.end >= 10
     v = np.append(np.geomspace(1e-3 * float(width), 10, 300), float(width) * np.array([0.1, 1, 3, 1e3]))
     assert law.bound.table.values(v) == pytest.approx(law.mu(v), rel=2e-13)
+
+
+@pytest.mark.parametrize(("times", "is_seen"), [(2, False), (8, True)])
+def test_a_slope_several_times_as_steep_as_that_of_a_polynomial_is_seen(times, is_seen):
+    """Balls hold it around a speed between two nodes, of which no transition says anything."""
+    steepest = 0.9 * math.exp(-1.5)
+
+    def slope(z, _):
+        narrow = acb(arb(0, times * steepest)) if z.real.overlaps(arb(0.773)) else acb(0)
+        return acb(-0.9) * (-3 * z).exp() + narrow
+
+    segment = _Segment(lambda v: 0.3 * np.expm1(-3 * v), 0.3, 0.5, 1.0, False, slopes=[slope])
+    pieces, end = segment.tabulated()
+    assert (len(pieces) > 1, end) == (is_seen, 1.0)

@@ -89,3 +89,10 @@ def test_a_remainder_that_is_left_out_would_be_noticed():
 def test_what_is_infinite_at_rest_has_no_series(text):
     with working_precision(BITS):
         assert taylor_model(ss.FrictionLaw(text).kinetic.segments[0][1], {}) is None
+
+
+def test_the_radius_of_a_series_may_be_far_below_the_scales_of_arguments():
+    """Here the logarithm ends 1/100 beyond rest, which no argument says."""
+    v = symbols.v
+    with working_precision(BITS):
+        assert taylor_model(sp.log(1 + 100 * (1 - sp.exp(-v))) / v, {}) is not None

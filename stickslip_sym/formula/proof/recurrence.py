@@ -26,7 +26,6 @@ from stickslip_sym.formula.proof.normal_form import normal_form
 from stickslip_sym.formula.proof.theorems import is_positive, is_smooth
 from stickslip_sym.output import printing
 
-_SPARE = 2  # terms of a series beyond those that are compared, for those that cancel
 _HIGHEST_ORDER = 4  # of a differential equation that is looked for
 
 AVERAGES_AGREE = (
@@ -236,10 +235,10 @@ def _require_same_start(algebra: Algebra, term: Expr, value: Expr, criterion: Cr
     def expanded(terms: int) -> tuple[LaurentSeries, LaurentSeries]:
         return SeriesExpansion(algebra, u, terms).of(term), SeriesExpansion(algebra, V, terms).of(V * value)
 
-    of_term, of_value = expanded(count + _SPARE)
+    of_term, of_value = expanded(count)
     lacking = count - min(of_term.known, of_value.known)
     if lacking > 0:
-        of_term, of_value = expanded(count + _SPARE + lacking)
+        of_term, of_value = expanded(count + lacking)
     if min(of_term.known, of_value.known) < count:
         raise ValueError("too many terms of a series cancel")
     if of_term.order < 0 and of_term.coefficients:
