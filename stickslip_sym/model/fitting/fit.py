@@ -192,7 +192,7 @@ def _fit_law(law: FrictionLaw, measured: Measurements) -> Fit:
     covariance = np.zeros((k, k))
     covariance[np.ix_(smooth, smooth)] = inflation * (root @ root.T)
     if measured.sigma is None:
-        covariance *= chi_squared / dof / inflation
+        covariance *= max(chi_squared / dof, rounding_variance(measured)) / inflation
     fitted = Fit(
         free_law=law,
         values=values,

@@ -23,7 +23,7 @@ from stickslip_sym.core.uncertain import text_with_error
 from stickslip_sym.model.error_band import error_band
 from stickslip_sym.model.fitting.averaged import Averaged, ByLaw
 from stickslip_sym.model.fitting.least_squares import Problem
-from stickslip_sym.model.fitting.weights import speeds_that_count, weigh
+from stickslip_sym.model.fitting.weights import rounding_variance, speeds_that_count, weigh
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.measured.measurements import Measurements
 from stickslip_sym.output.content import content
@@ -125,12 +125,15 @@ class Fit(_Report, DataResult, by_identity=True):
         settled = len(self.values) + self.measured.differences
         return float(np.sqrt(np.sum(self.residuals**2) / (len(self.measured) - settled)))
 
-    @property
+    @cached_property
     def variance(self) -> float:
-        """By how much the sum of squares rises for one standard error: 1 for independent noise of known sigma."""
+        """By how much the sum of squares rises for one standard error: 1 for independent noise of known sigma.
+
+        Where it is estimated it is no less than what rounding of the coefficients alone has.
+        """
         if self.measured.sigma is not None:
             return self.inflation
-        return self.chi_squared / self.dof
+        return max(self.chi_squared / self.dof, rounding_variance(self.measured))
 
     @cached_property
     def residuals(self) -> FloatArray:
@@ -202,7 +205,7 @@ class Fit(_Report, DataResult, by_identity=True):
         if minimum is not None:
             rise = minimum.chi_squared - self.chi_squared
         if rise > 0:
-            return min(rise / max(self.variance, 1e-300), 1e300)
+            return min(rise / self.variance, 1e300)
         return 0.0
 
     def _gap(self, name: str, side: int, level: float) -> float:
@@ -357,7 +360,7 @@ class Fits(_Report, Sequence[Fit], TableResult):
                 continue
             of_fit, of_point = _parts_of_error(estimate, fit)
             # The noise is one for all laws, and not what each leaves.
-            of_fit *= math.sqrt(self._weighing.variance / fit.variance) if fit.variance > 0 else 0.0
+            of_fit *= math.sqrt(self._weighing.variance / fit.variance)
             spread = math.hypot(of_fit, of_point)
             unmeasured = float(getattr(estimate, "unmeasured", 0.0))
             rows.append(ByLaw(fit.name, fit.weight, float(estimate.value), spread, of_point, unmeasured))
