@@ -8,13 +8,13 @@ from stickslip_sym.cli import options
 from stickslip_sym.cli.arguments import point
 from stickslip_sym.cli.options import Given, option, read_number
 from stickslip_sym.cli.output import echo_found, show_progress
+from stickslip_sym.core.seconds import SECONDS_OF_PART
 from stickslip_sym.output.tables import aligned_table
 
 if TYPE_CHECKING:
     from stickslip_sym.motion.simulation.trajectory import Trajectory
 
 _MOST_ROWS = 40  # of the table; the rest is in the file that --csv writes
-_SECONDS_FOR_MOTION = 5.0  # seconds, to find where the motion leads
 
 
 @options.command(
@@ -53,7 +53,7 @@ def run(given: Given) -> None:
         try:
             with (
                 show_progress("what it comes to"),
-                limited(min(_SECONDS_FOR_MOTION, how["time_limit"] or _SECONDS_FOR_MOTION)),
+                limited(min(SECONDS_OF_PART, how["time_limit"] or SECONDS_OF_PART)),
             ):
                 end = ss.classify(at.law, osc, **initial).value
         except ss.StickSlipError as error:

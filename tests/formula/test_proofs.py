@@ -17,9 +17,11 @@ from stickslip_sym.core.special import Lerch
 from stickslip_sym.core.symbols import V, a, b, mu, s, u
 from stickslip_sym.formula.proof import proving
 from stickslip_sym.formula.proof.algebra import Algebra
+from stickslip_sym.formula.proof.gate import verify
 from stickslip_sym.formula.proof.normal_form import expand_above, normal_form
 from stickslip_sym.formula.proof.proving import prove_equal, prove_positive
 from stickslip_sym.formula.proof.theorems import Antiderivative, ChangeOfVariable, PieceByPiece, value_at
+from stickslip_sym.formula.tidy import tidy
 from stickslip_sym.output.notation import notation_of
 from support.closed_forms import form_of
 from support.latex_reader import read
@@ -363,3 +365,20 @@ def test_square_roots_that_one_formula_may_hold(roots, is_read):
     else:
         with pytest.raises(ValueError, match="square roots and functions"):
             Algebra(V, []).of(formula)
+
+
+@pytest.mark.parametrize("wrong", [0, 1])
+def test_the_gate_looks_at_shapes_far_from_1_and_at_exponents_beside_it(wrong):
+    """A formula that is wrong from a shape of 30 on, or from an exponent of 2 on, is refuted."""
+    weight, v = ss.criteria.catalogue["least_squares"], symbols.v
+    of_shape = -2 * V - w - wrong * sp.Max(0, w - 30)
+    of_exponent = -p * V ** (p - 1) * weight.mean_power(p - 1) * (1 + wrong * sp.Max(0, p - 2))
+    for profile, closed in ((v**2 + w * v, of_shape), (v**p, of_exponent)):
+        assert verify(profile, weight, closed).status is (Status.REFUTED if wrong else Status.CHECKED)
+
+
+@pytest.mark.parametrize(("terms", "is_factored"), [(80, True), (300, False)])
+def test_a_formula_of_some_hundred_operations_is_factored(terms, is_factored):
+    letters = sp.symbols("a:50", positive=True)
+    total = sp.Add(*[letters[i % 50] * V ** (1 + i // 50) for i in range(terms)])
+    assert tidy(sp.expand((V + w) * total), V, V).is_Mul == is_factored

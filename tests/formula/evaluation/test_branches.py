@@ -15,7 +15,7 @@ from flint import arb
 import stickslip_sym as ss
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.formula.evaluation.branch_builder import compared
-from stickslip_sym.formula.evaluation.branches import Branches, Sum
+from stickslip_sym.formula.evaluation.branches import Branches, PanelTable, Sum
 from stickslip_sym.formula.evaluation.reference_average import BITS, ReferenceAverage
 from stickslip_sym.formula.evaluation.term_function import TermFunction
 from stickslip_sym.numerics.known import Unknown
@@ -209,6 +209,11 @@ def test_what_has_no_series_has_a_table_of_some_octaves():
 
 def test_a_wave_has_a_table_of_a_few_periods():
     assert branches_of("sin(v)", "harmonic").starts[-1] == 32
+
+
+def test_a_table_holds_some_hundred_numbers():
+    (table,) = (branch for branch in branches_of("sech(v)", "harmonic").branches if isinstance(branch, PanelTable))
+    assert table.rows.size < 400
 
 
 @pytest.mark.parametrize(("off", "status"), [(8, "CHECKED"), (30, "REFUTED")])
