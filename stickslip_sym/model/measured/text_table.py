@@ -184,7 +184,11 @@ class Table:
         self.radii = [self.radii[i] for i in rows]
         self.values = {name: values[keep] for name, values in self.values.items()}
         self.cells = {name: [cells[i] for i in rows] for name, cells in self.cells.items()}
-        if not rows:
+        self.refuse_empty()
+
+    def refuse_empty(self) -> None:
+        """Refuse a table of which all rows were left out."""
+        if not self.lines:
             raise InputError(f"{self.name} has no row that is a measurement: {self.left_out}")
 
     @property
@@ -259,6 +263,7 @@ def read_table(
             of_block = how._replace(written=written, block=number if block else None)
             tables.append(_table_of(part, header, cells, name, of_block, number))
     table = _together(tables)
+    table.refuse_empty()
     table.blocks = tuple(blocks)
     return table
 

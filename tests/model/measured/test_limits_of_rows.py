@@ -595,3 +595,10 @@ def test_a_few_starts_differ():
     """Two scales leave room for many."""
     problem = Problem(ss.FrictionLaw("a + b*exp(-v/v_1) + d*exp(-v/v_2)"), Measurements.of(V, LAW.mu(V)))
     assert 2 < len(list(problem.starts())) < 9
+
+
+def test_a_file_of_which_all_rows_are_left_out_is_refused(tmp_path):
+    """Where a comma is the decimal sign and parts the columns too."""
+    path = write(tmp_path, "v [m/s],mu", "0,100,0,4000", "0,200,0,3500", "0,300,0,3000")
+    with pytest.raises(ss.InputError, match="no row that is a measurement: 3 of another number of columns"):
+        ss.read_measurements(path, leave_out=True)
