@@ -16,9 +16,8 @@ from stickslip_sym.core.lambdify import function_of
 from stickslip_sym.model.expression.pieces import places
 
 _SIZES = np.geomspace(1e-12, 1e12, 4001)  # of a parameter, between which what it moves is interpolated
-_EIGHTH = (
-    np.pi / 4
-)  # of a turn: between frequencies, over all speeds, as a minimum is a turn wide, and between phases
+_EIGHTH = np.pi / 4
+"""Of a turn: so far phases are apart, and frequencies over all speeds, where a minimum is a turn wide."""
 PHASES = _EIGHTH * np.arange(1, 5)
 """Radians by which a wave is shifted, besides half a turn; none is near 0, the bound of a positive parameter."""
 

@@ -106,9 +106,8 @@ def sweep_branches_of(
         return None
     names = list[str]()
     columns = list[FloatArray]()
-    if (
-        direction is not None and both and np.less_equal(*_shared_speeds(v, direction))
-    ):  # elsewhere a curve does it
+    if direction is not None and both and np.less_equal(*_shared_speeds(v, direction)):
+        # Elsewhere one curve describes both.
         names.append("offset")
         columns.append(direction.astype(np.float64))
     if rising:
