@@ -43,7 +43,6 @@ CURVES = ("equilibrium", "least_squares", "exact")
 
 
 _ROUNDS_RTOL = 1e-7  # tolerance of the steps along which rounds are resolved; what they leave open is followed
-_CONFIRMED = 100  # cells, of which one is decided by following motions too
 _INWARD = 3  # rounds that many cells are followed for, from where cycles that overtake may be, on the way in
 
 
@@ -98,7 +97,7 @@ def _reason_of(error: StickSlipError) -> Reason:
 
 
 def decide(law: FrictionLaw, rtol: float, points: Mapping[str, FloatArray]) -> Cells:
-    """Return the motion from x = 0, x' = V, and every attractor, for each of some cells.
+    """Return the motion from x = 0, x' = V, and every attractor, for each of some cells; the last is confirmed.
 
     - `rtol`: a damping that is closer to a threshold, relative to the largest of them, is not decided.
     - `points`: V, N, m, k, c and parameters of the law in place of those it has, an entry for each cell.
@@ -106,7 +105,6 @@ def decide(law: FrictionLaw, rtol: float, points: Mapping[str, FloatArray]) -> C
     cells = Cells.unknown(len(points["c"]))
     names = [name for name in points if name in law.parameters]
     bound = cache(lambda *values: law.bind(**dict(zip(names, values, strict=True))))
-    confirmed = np.arange(len(points["c"]))[::-_CONFIRMED]
     kinds, kind = np.unique([points[name] for name in ("V", *names)], axis=1, return_inverse=True)
     for i, (V, *values) in enumerate(kinds.T.tolist()):
         rows = np.flatnonzero(kind.ravel() == i)
@@ -115,7 +113,7 @@ def decide(law: FrictionLaw, rtol: float, points: Mapping[str, FloatArray]) -> C
             seconds = time_left() / (len(kinds.T) - i)
             some = {name: points[name][rows] for name in "Nmkc"}
             decider = _Decider(bound(*values), V, some, rtol, seconds if seconds < math.inf else None)
-            cells.put(rows, decider.cells(np.flatnonzero(np.isin(rows, confirmed))))
+            cells.put(rows, decider.cells(np.flatnonzero(rows == len(points["c"]) - 1)))
         except StickSlipError as error:
             cells.put(rows, error)
     return cells

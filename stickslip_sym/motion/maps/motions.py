@@ -27,7 +27,7 @@ from stickslip_sym.output import files
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_CELLS = 300  # of a task: so many share what is computed of a law
+_CELLS = 100  # of a task: they share what is computed of a law, and one is decided by following motions too
 
 
 @dataclass(frozen=True, repr=False)

@@ -36,7 +36,7 @@ from stickslip_sym.motion.maps.results_over_axes import (
 )
 from stickslip_sym.motion.margins.critical import critical
 from stickslip_sym.motion.motion import Motion
-from stickslip_sym.motion.orbits.damping import DAMPING_RTOL, OF_ORBITS, needed_damping
+from stickslip_sym.motion.orbits.damping import DAMPING_RTOL, MOST_ORBITS, OF_ORBITS, needed_damping
 from stickslip_sym.motion.regimes.regime import Regime, kept_regime
 from stickslip_sym.numerics.known import Column, Unknown
 from stickslip_sym.numerics.resolved import NO_VALUE, NODES, Piece, Resolved, Turn, fit_polynomial, nodes
@@ -46,7 +46,6 @@ from stickslip_sym.output.data import DataResult
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_MOST_QUANTITY_VALUES = 1000  # of the quantity, at which the needed damping is resolved
 _LEAST_SHARE_OF_RANGE = 1e-4  # of the range of the quantity: extrema come and go within
 
 
@@ -233,7 +232,7 @@ def _folds(
 
     folds = list[Change]()
     unresolved = list[tuple[float, float]]()
-    left = _MOST_QUANTITY_VALUES
+    left = MOST_ORBITS  # and each takes some
     ranges = [(low, high)]
     while ranges:
         first, last = ranges.pop()

@@ -38,42 +38,37 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.motion.kernel.slip_data import TIGHT, SlipEnd
 from stickslip_sym.motion.orbits.damping import OF_ORBITS, quick_speeds
-from stickslip_sym.motion.orbits.needed import SIGNS, STRONG, orbit_damping_ratio, velocity_mismatch_at
+from stickslip_sym.motion.orbits.needed import SIGNS, orbit_damping_ratio, velocity_mismatch_at
 from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.motion.thresholds.averages import fast_average, resolved_gauss_average
 from stickslip_sym.motion.thresholds.boxes import ExactPoint, Transit, transit
-from stickslip_sym.motion.thresholds.methods import Method, MethodName, accuracy, evaluate, find_method, methods
-from stickslip_sym.motion.thresholds.operating_points import OperatingPoints, oscillator_quantities
+from stickslip_sym.motion.thresholds.methods import (
+    THRESHOLDS_TO_COMPILE,
+    Method,
+    MethodName,
+    accuracy,
+    evaluate,
+    find_method,
+    methods,
+)
+from stickslip_sym.motion.thresholds.operating_points import VANISHING, OperatingPoints, oscillator_quantities
 from stickslip_sym.motion.thresholds.theorem import Search, checked_hypotheses
 from stickslip_sym.motion.thresholds.threshold import Threshold, pure_slip_damping
 from stickslip_sym.numerics.known import Column, Unknown, attempted
-from stickslip_sym.numerics.resolved import ERRORS_OF_CLEAR_SIGN, Resolved, Root, Sampled, nodes, resolve
-from stickslip_sym.numerics.subdivide import joined
+from stickslip_sym.numerics.resolved import ERRORS_OF_CLEAR_SIGN, NODES, Resolved, Root, Sampled, nodes, resolve
+from stickslip_sym.numerics.subdivide import MOST_INTERVALS, joined
 from stickslip_sym.output.content import content
 from stickslip_sym.output.data import DataResult, TableResult, columns_of
 from stickslip_sym.output.shown import Shown
 
-_WHOLE = (1e-12, 1e12)  # belt speeds in m/s that are looked at
-_DECADES_EACH = 3  # of belt speeds, that a polynomial spans at first
-_WEAKEST = 1e-8  # N <|mu'|>/sqrt(k m), or static excess over V sqrt(k m), from which N, m and k are sought
-_STRONGEST = 10.0, 1e3  # both, beyond which thresholds take long
-_PIECES = 400  # of the table of a law, whose end no belt speed exceeds: of one that varies for ever
-_BELT_SPEEDS_LOOKED_AT, _FEW_LOOKS = 200, 9  # belt speeds, and values of a parameter, at which that is asked
-_FEWEST_IN_RANGE = 3  # of these beside each other, that a range needs
-_AROUND = 100.0  # factor above and below a parameter's value within which it is sought
+_FASTEST = 1e12  # m/s, belt speed up to which one is sought, and down to one over that
+_STRONGEST = 10.0  # N <|mu'|>/sqrt(k m), or static excess over V sqrt(k m), up to which N, m and k are sought
+_AROUND = 100.0  # factor above and below a parameter's value within which it is sought, and of a first interval
 _WITHIN = Argument("within", ("low", "high"))
-_FEW_THRESHOLDS = 60  # thresholds by slips, up to which compiled code is not worth loading,
-_COST_OF_STRONG = 8  # and as how many of them one counts where friction is strong
-_DIGITS_OF_KEY = 12  # of N/(V sqrt(k m)), by which one value is known from others
-_DISTANT = 1e-3  # of its distance from c, error of a threshold that suffices,
-_ROUGH_RTOL = 1e-4  # or of itself: rougher ones are mostly asked for again
-_MOST_THRESHOLDS, _MOST_AVERAGES = 400, 4000  # values that may be computed
-_EDGE = 3e-3  # relative distance within which it is said where thresholds end
+_DIGITS_OF_KEY = round(-math.log10(SAME))  # of N/(V sqrt(k m)), by which one value is known from others
+_ROUGH_RTOL = math.sqrt(OF_ORBITS)  # of a threshold, or of its distance from c: in a sketch half of the digits
 _NONE = Unknown("there is no threshold")
-_BRACKET_RATIO = 8.0  # times, by which the bracket about a root grows
 _ROOT_RTOL_RATIO = 1e-3  # of rtol, the relative error of a threshold at a root
-_SMALL_NEWTON_STEP = 1e-2
-"""Of the distance to where a threshold turns, a step of Newton's method that is a small one."""
 _FLAT = math.sqrt(SIGNS)  # relative, whose square is nothing: distance of an extremum or an edge, step of Newton's
 
 
@@ -216,7 +211,7 @@ def critical(
     within : sequence of float or str, optional
         Two values of one sign between which to look, or more, ascending, where thresholds may have kinks.
         If not given, a parameter is sought from 1/100 of its value to 100 times it, V from 1e-12 to 1e12 m/s,
-        and N, m and k where N <|mu'|>/sqrt(k m) is at least 1e-8, as far as friction is not too strong. The
+        and N, m and k where N <|mu'|>/sqrt(k m) is from 1e-8 to 10. The
         result says between which values it looked, and which are not decided: the threshold is resolved by
         polynomials between its values until what they leave out cannot hide a root. A value at which an average
         jumps past c counts too, as the equilibrium's does where V is at a kink of mu.
@@ -418,7 +413,7 @@ class _Search:
         self.unit = symbols.QUANTITIES[of].unit if self.is_quantity else law.parameters[of].unit
         self.converges = self.criterion is None and (self.method is None or self.method.converges)
         self.ratios = dict[float, tuple[float, float]]()
-        self.work = 0  # thresholds by slips so far
+        self.work = 0.0  # of thresholds by slips so far, in that of one where friction is weak
         self.sampled = dict[float, tuple[float, float]]()
         self.sketched = dict[float, tuple[float, float]]()
 
@@ -547,7 +542,7 @@ class _Search:
                 computed, _ = evaluate(points, methods()["second_order"], OF_ORBITS)
                 value = computed.value
                 error = computed.relative_error * points.error_base(computed.value)
-            far = ~(error <= _DISTANT * np.abs(value - self.c))
+            far = ~(error <= _ROUGH_RTOL * np.abs(value - self.c))
             rows = np.flatnonzero(far).tolist()
             for row in rows:
                 value[row], error[row] = self._by_slip(points, row, sketch, len(rows))
@@ -562,8 +557,8 @@ class _Search:
         """Return a threshold, the first of some, by the slip from P."""
         system = NondimensionalOscillator.of(points.bound, points.oscillator(row))
         unit = 2 * float(points.impedance[row])
-        self.work += _COST_OF_STRONG if abs(system.eta) > STRONG else 1
-        fast = self.work + count > _FEW_THRESHOLDS
+        self.work += 1 + float(points.slope_scale[row] / points.impedance[row])
+        fast = self.work + count > THRESHOLDS_TO_COMPILE
         if sketch:
             alike = replace(system, eta=float(f"{system.eta:.{_DIGITS_OF_KEY}g}"))
             ratio = attempted(_rough_ratio, alike, fast)
@@ -581,44 +576,36 @@ class _Search:
         if not self.is_quantity:
             if not self._usual:
                 raise InputError(f"where to look for {self.of} is not known; give ", _WITHIN)
-            usual = self._usual
-            factors = np.geomspace(1 / _AROUND, _AROUND, _FEW_LOOKS)
-            if not self._strong(usual).any():  # from there on both ways as far as friction is not too strong
-                strong = np.flatnonzero([self._strong(usual * factor).any() for factor in factors])
-                below = strong[strong < _FEW_LOOKS // 2]
-                above = strong[strong > _FEW_LOOKS // 2]
-                factors = factors[below.max(initial=-1) + 1 : above.min(initial=_FEW_LOOKS)]
-            return sorted({usual * factors[0], usual, usual * factors[-1]})
+            return sorted(self._usual * factor for factor in (1 / _AROUND, 1.0, _AROUND))
         if self.of == "V":
             table = self.law.bound.table
-            if len(table.pieces) <= _PIECES:
-                end = table.reach
-            else:
-                end = float(table.pieces[_PIECES, 0])
-            high = min(_WHOLE[1], end / 2)  # slip reaches 2 V, and more
-            speeds = np.geomspace(_WHOLE[0], high, _BELT_SPEEDS_LOOKED_AT)
-            strong = np.flatnonzero(np.r_[True, self._strong(speeds), True])
+            end = table.reach
+            if len(table.pieces) > MOST_INTERVALS:  # as of a law that varies for ever
+                end = float(table.pieces[MOST_INTERVALS, 0])
+            whole = 1 / _FASTEST, min(_FASTEST, end / 2)  # slip reaches 2 V, and more
+            speeds = np.geomspace(*whole, NODES * len(_spaced(*whole)))
+            strong = [0, *np.flatnonzero(self._strong(speeds)) + 1, speeds.size + 1]
             first = int(np.diff(strong).argmax())  # of the widest range in which friction is nowhere too strong
-            if strong[first + 1] - strong[first] < _FEWEST_IN_RANGE:
+            weak = speeds[strong[first] : strong[first + 1] - 1]
+            if weak.size < 2:
                 raise NotConverged(f"friction is too strong at every {self.of}; give ", _WITHIN)
-            return _spaced(float(speeds[strong[first]]), float(speeds[strong[first + 1] - 2]))
+            return _spaced(float(weak[0]), float(weak[-1]))
         unit = self.at(1.0)
         excess = float((unit.strength / unit.V)[0]) * (self.law.bound.static - self.law.bound.onset)
         slopes = float((unit.slope_scale / unit.impedance)[0])
         if not max(slopes, excess):
             raise InputError(f"without a normal force, or a slope of mu, nothing depends on {self.of}")
-        ends = _WEAKEST / max(slopes, excess), _STRONGEST[0] / (slopes or excess)
+        ends = VANISHING / max(slopes, excess), _STRONGEST / (slopes or excess)
         if self.of == "N":
             return _spaced(*ends)
         return _spaced(*(end**-2 for end in ends[::-1]))
 
-    def _strong(self, x: float | FloatArray) -> BoolArray:
-        """Return where friction is so strong that thresholds take long, and are not looked for by themselves."""
-        points = self.at(x)
+    def _strong(self, speeds: FloatArray) -> BoolArray:
+        """Return at which belt speeds thresholds are not looked for, since they take long."""
+        points = self.at(speeds)
         if not points.has_oscillator:
             return np.zeros(len(points), dtype=bool)
-        excess = points.strength / points.V * (points.bound.static - points.bound.onset)
-        return (points.slope_scale / points.impedance > _STRONGEST[0]) | (excess > _STRONGEST[1])
+        return np.asarray(points.slope_scale / points.impedance > _STRONGEST)
 
     # -- roots -------------------------------------------------------------------------------------
 
@@ -637,11 +624,11 @@ class _Search:
         parts, missing = self._stretches(sketch, self._parted(arguments, scale))
         if not parts:
             raise NotConverged(f"there is no threshold at any {self.of}; try another method")
-        most = _MOST_THRESHOLDS
+        most = MOST_INTERVALS
         first: Sampled = sketch
         if not self.converges:
-            most = _MOST_AVERAGES
-            first = value  # averages have no digits to save
+            most *= NODES
+            first = value  # averages have no digits to save, and take no time
         resolved = [resolve(value, part, rtol=OF_ORBITS, most=most, sketch=first) for part in parts]
         self._refuse_constant()
 
@@ -767,7 +754,7 @@ class _Search:
             inside, outside = u[i : i + 2]
             if missing[i]:
                 inside, outside = outside, inside
-            while abs(outside - inside) > _EDGE * max(1.0, abs(inside)):
+            while abs(outside - inside) > self.rtol * max(1.0, abs(inside)):
                 middle = (inside + outside) / 2
                 if value(np.array([middle])).known[0]:
                     inside = middle
@@ -818,7 +805,7 @@ class _Search:
             result = self._newton(x, max(rtol, TIGHT), width)
             moved = abs(result.value - x) / (min(width, abs(x)) or abs(x))  # and the sensitivities are those at x
             x, error = result.value, result.relative_error or 0.0  # None of what is defined, not approximated
-            if max(error, _SMALL_NEWTON_STEP * moved) <= _ROOT_RTOL_RATIO * self.rtol:
+            if error <= _ROOT_RTOL_RATIO * self.rtol and moved <= self.rtol:
                 return result
         if error <= self.rtol:
             return result
@@ -842,16 +829,16 @@ class _Search:
         step = -sensitivity["c"] * (value - self.c)
         # Where it turns at a distance d, a smooth threshold has the curvature 1/d over its slope.
         size = abs(x)
-        near = abs(step) < max(_FLAT * size, _SMALL_NEWTON_STEP * width)
         error = None
+        farthest = _FLAT * size
         if self.criterion is None:
             off = float((computed.relative_error * points.error_base(computed.value))[0])
             curved = step**2 / (min(width, size) or size)
             error = (abs(sensitivity["c"]) * off + curved) / size + ROUNDING
-            if not near:
-                error += abs(step / x)
-        moved = near or (self.criterion is None and abs(step) < size / 2)
-        return Critical(self.of, x + step if moved else x, self.unit, method.name, error, sensitivity)
+            farthest = size / 2
+        return Critical(
+            self.of, x + step if abs(step) < farthest else x, self.unit, method.name, error, sensitivity
+        )
 
     def _proved(self, value: Critical) -> Critical:
         """Enclose a value: where the threshold grows with it, the slip returns above it, so minus it is sought."""
@@ -887,17 +874,14 @@ def _polished(function: Callable[[float], float], root: Root) -> float | None:
         if function(x - step) * function(x + step) < 0:
             return x
         return None
-    while True:
-        low = max(root.low, x - step)
-        high = min(root.high, x + step)
+    for width in (step, math.inf):
+        low = max(root.low, x - width)
+        high = min(root.high, x + width)
         below = function(low)
         above = function(high)
         if below != above and below * above <= 0:
-            tolerance = SIGNS * max(1.0, abs(x))
-            return float(brentq(function, low, high, xtol=tolerance))
-        if (low, high) == (root.low, root.high):
-            return None
-        step *= _BRACKET_RATIO
+            return float(brentq(function, low, high, xtol=SIGNS * max(1.0, abs(x))))
+    return None
 
 
 def _touching(function: Resolved) -> list[tuple[float, float]]:
@@ -909,5 +893,5 @@ def _touching(function: Resolved) -> list[tuple[float, float]]:
 
 
 def _spaced(low: float, high: float) -> list[float]:
-    count = max(1, round(math.log10(high / low) / _DECADES_EACH))
+    count = max(1, round(math.log(high / low, _AROUND)))
     return [float(x) for x in np.geomspace(low, high, count + 1)]

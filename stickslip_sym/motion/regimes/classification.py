@@ -19,11 +19,9 @@ from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.kernel.slip_data import ADDED, SlipEnd
 from stickslip_sym.motion.motion import Motion
+from stickslip_sym.motion.orbits.damping import MOST_ORBITS
 from stickslip_sym.motion.regimes.regime import kept_regime
 from stickslip_sym.motion.simulation.simulate import read_initial_conditions
-
-_CONDITIONS_FOR_SEPARATRICES = 1000
-"""Initial conditions from which on finding separatrices takes less time than following all."""
 
 
 @overload
@@ -101,7 +99,7 @@ def classify(
     fates = np.full(x.shape, None, dtype=object)
     with deadline.time_limit(time_limit):
         deadline.check_time()  # what is kept from earlier calls may need no look at the time
-        if x.size >= _CONDITIONS_FOR_SEPARATRICES:
+        if x.size >= MOST_ORBITS:  # separatrices take fewer
             with suppress(StickSlipError):  # where the phase plane is not known, some motions may be decided yet
                 fates = kept_regime(law, osc, rtol).by_side(x, v)
         left = ~fates.astype(bool)

@@ -34,17 +34,14 @@ from stickslip_sym.core.deadline import check_time
 from stickslip_sym.core.numbers import SAME
 from stickslip_sym.model.table import TABLE_DEGREE, FrictionTable
 from stickslip_sym.motion.kernel.slip_data import ADDED, PRECISE
-from stickslip_sym.motion.orbits.damping import MOST_ORBITS
+from stickslip_sym.motion.orbits.damping import MOST_ORBITS, NEAREST
 from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.numerics.known import Column, Unknown
-from stickslip_sym.numerics.resolved import Resolved, Root, resolve
+from stickslip_sym.numerics.resolved import NODES, Resolved, Root, resolve
 from stickslip_sym.numerics.subdivide import joined
 
 _FARTHEST_DISPLACEMENT = 1e6  # displacement up to which cycles are sought where there is no reach
 _SHARE_OF_FIRST_ROUND = 0.9  # of R(0): all rounds grow up to there
-_DISPLACEMENTS_LOOKED_AT = 24
-"""Displacements, from the nearest to the farthest, at which it is asked whether rounds come in at once."""
-_SINK_RATIO = 1e3  # to less than a thousandth, so that R is as good as constant there
 _SAME_PERIOD = 1e-6  # relative, periods of such a cycle by steps of two tolerances, or it is not known
 _LOST = Unknown("a round takes too many steps")
 
@@ -228,21 +225,22 @@ def _sink(system: NondimensionalOscillator, first: float, far: float, rtol: floa
     """Return the same of a law with mu(0) = 0, whose rounds may all come to one displacement but for rounding.
 
     So they do where the mass slips so slowly beside the belt's speed that it all but sticks. R never falls: all
-    rounds from 0 to a displacement end between R(0) and its own end.
+    rounds from 0 to a displacement end between R(0) and its own end. It is as good as constant
+    up to a displacement of which that is less than the part that is looked at of an amplitude.
     """
-    q = np.geomspace(max(first, far * SAME), far, _DISPLACEMENTS_LOOKED_AT)
+    q = np.geomspace(max(first, far * SAME), far, NODES)
     ends = system.rounds(q, rtol, few=0).ends
     check_time()
-    come_in = np.flatnonzero(ends.known & (ends.filled(math.inf) <= q / _SINK_RATIO))
+    come_in = np.flatnonzero(ends.known & (ends.filled(math.inf) <= NEAREST * q))
     if not come_in.size:
         return Rounds((), (1,)), _SHARE_OF_FIRST_ROUND * float(q[0])
     last = int(come_in[-1])
     low = float(q[last])
-    beyond = float(q[min(last + 1, _DISPLACEMENTS_LOOKED_AT - 1)])
+    beyond = float(q[min(last + 1, NODES - 1)])
     while beyond > low * (1 + rtol):
         middle = math.sqrt(low * beyond)
         R = _end_of_round(system, middle, rtol)
-        if not isinstance(R, Unknown) and middle / _SINK_RATIO >= R:
+        if not isinstance(R, Unknown) and NEAREST * middle >= R:
             low = middle
         else:
             beyond = middle
@@ -253,7 +251,7 @@ def _sink(system: NondimensionalOscillator, first: float, far: float, rtol: floa
     by_steps = period(rtol)
     known = abs(by_steps - period(max(rtol / 10, PRECISE))) <= _SAME_PERIOD * by_steps
     kind: Kind = "cycle" if known else "open"
-    return Rounds((FixedPoint(0.0, low / _SINK_RATIO, kind),), (1, -1)), low
+    return Rounds((FixedPoint(0.0, NEAREST * low, kind),), (1, -1)), low
 
 
 def _rounds_between(system: NondimensionalOscillator, low: float, far: float, rtol: float) -> Rounds:

@@ -27,7 +27,7 @@ from stickslip_sym.model.oscillator import Oscillator, as_oscillator
 from stickslip_sym.motion.kernel.slip_data import ADDED, TIGHT, SlipEnd
 from stickslip_sym.motion.motion import Motion
 from stickslip_sym.motion.orbits.cycles import LimitCycle, limit_cycles
-from stickslip_sym.motion.orbits.damping import NEAREST, needed_damping
+from stickslip_sym.motion.orbits.damping import NEAREST, OF_ORBITS, needed_damping
 from stickslip_sym.motion.regimes.attractors import ATTRACTORS
 from stickslip_sym.motion.regimes.overtaking import FixedPoint, Rounds, rounds_outside
 from stickslip_sym.motion.regimes.separatrix import Separatrix, interpolated
@@ -40,10 +40,6 @@ from stickslip_sym.output.data import DataResult
 from stickslip_sym.output.shown import Drawn, views_of
 
 _RELATIVE_STEP = TIGHT ** (1 / 3)  # of a displacement by which a round is differentiated
-_SECONDS_FOR_PERIOD, _PERIOD_RTOL = (
-    2.0,
-    1e-8,
-)  # of computation, for a curve that is a period of a motion, and its tolerance
 
 
 @dataclass(frozen=True)
@@ -429,9 +425,7 @@ class Regime(Drawn, DataResult):
             begins.append((name, (force - osc.c * orbit.amplitude) / osc.k, orbit.amplitude, orbit.period))
         curves = list[tuple[str, FloatArray, FloatArray]]()
         for name, x0, v0, period in begins:
-            motion = simulate(
-                law, osc, t_end=period, x0=x0, v0=v0, rtol=_PERIOD_RTOL, time_limit=_SECONDS_FOR_PERIOD
-            )
+            motion = simulate(law, osc, t_end=period, x0=x0, v0=v0, rtol=OF_ORBITS)
             deadline.check_time()  # one that was cut short is not kept
             state = motion.at(dense(np.unique(motion.t)))
             curves.append((name, state.x, state.v))

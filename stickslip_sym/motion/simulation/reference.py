@@ -16,17 +16,14 @@ from stickslip_sym.core.numbers import SAME
 from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
+from stickslip_sym.motion.kernel.slip_data import ADDED, LONGEST_STEP
 from stickslip_sym.motion.simulation.trajectory import Outcome, Phase, Stretch, Trajectory
-
-_RELATIVE_START_OFFSET = 1e-9
-"""Of the belt's speed, by which slip begins off it: an event at the start itself ends a run."""
-_ATOL_OVER_RTOL = 1e-2  # absolute tolerance in units of V and V/omega, over the relative one
-_LONGEST_STEP = 0.1  # of 1/omega, the longest: events are seen where a step has different signs at its ends
+from stickslip_sym.motion.slip import SAME_AMPLITUDE
 
 
 def absolute_tolerance(osc: Oscillator, rtol: float) -> FloatArray:
-    """Return the absolute tolerances of x and v that go with a relative one."""
-    return _ATOL_OVER_RTOL * rtol * np.array([osc.V / osc.omega, osc.V])
+    """Return the absolute tolerances of x and v that go with a relative one, which many steps may add up to."""
+    return rtol / ADDED * np.array([osc.V / osc.omega, osc.V])
 
 
 def slip_by_solve_ivp(
@@ -53,8 +50,9 @@ def slip_by_solve_ivp(
 
     at_belt_speed.terminal = True  # type: ignore[attr-defined]  # SciPy's way
     at_belt_speed.direction = side  # type: ignore[attr-defined]
-    v = side * min(side * v, side * osc.V - _RELATIVE_START_OFFSET * osc.V)
-    tight: dict[str, Any] = {"method": "DOP853", "max_step": _LONGEST_STEP / osc.omega}
+    # An event at the start itself ends a run; later ones are seen where a step has different signs at its ends.
+    v = side * min(side * v, (side - SAME_AMPLITUDE) * osc.V)
+    tight: dict[str, Any] = {"method": "DOP853", "max_step": LONGEST_STEP / osc.omega}
     solution = solve_ivp(
         rates, (t, t_end), (x, v), rtol=max(rtol, 1e-13), dense_output=True, events=at_belt_speed,
         atol=absolute_tolerance(osc, rtol), **tight | options,

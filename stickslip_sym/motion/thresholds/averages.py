@@ -19,13 +19,13 @@ from stickslip_sym.model.bound import BoundLaw
 from stickslip_sym.model.expression.pieces import jumps, rate
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.table import FrictionTable
+from stickslip_sym.motion.orbits.needed import SIGNS
 from stickslip_sym.motion.thresholds.operating_points import OperatingPoints
 
 if TYPE_CHECKING:
     from stickslip_sym.formula.slope_average import SlopeAverage
 
-_REFUSED_RTOL = 1e-6  # error of an average by Gauss's rule, relative, above which it is refused,
-_ROUNDING_OVER_SIZE = 1e-11  # unless it is rounding: over the average of abs(mu')
+_REFUSED_RTOL = 1e-6  # error of an average by Gauss's rule, relative, above which it is refused
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,8 @@ def resolved_gauss_average(
     if not law.expr.has(symbols.v):
         return np.zeros_like(V)
     mean, error, size = gauss_average(law, V, criterion=criterion, table=table, like=like)
-    off = np.flatnonzero((error > _REFUSED_RTOL * np.abs(mean)) & (error > _ROUNDING_OVER_SIZE * size))
+    # Where slopes cancel it may be rounding, which leaves signs of their sizes sure.
+    off = np.flatnonzero((error > _REFUSED_RTOL * np.abs(mean)) & (error > SIGNS * size))
     if off.size:
         raise NotConverged(
             f"the {criterion.name} average of the slope of mu at V = {V[off[0]]:g} m/s is known to "

@@ -30,11 +30,10 @@ from stickslip_sym.core.remedies import Argument
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.leading_terms import symbolic_limit_at_rest
 from stickslip_sym.model.taylor_model import SHARE_OF_RADIUS
+from stickslip_sym.motion.kernel.slip_data import MOST_STEPS
 from stickslip_sym.numerics.known import Unknown
 
 _SCALES = tuple(2.0**-i for i in range(-1, 9))  # of the radii that are tried for the polydisc
-_MOST_BOX_STEPS = 20_000
-_HALVINGS_AT_HIGHEST = 8  # halvings of a step on which w is highest
 _START_SHARE = 3  # the first step from a point where mu is not analytic is 2^-(bits/3)
 _w = sp.Symbol("w")
 
@@ -259,7 +258,7 @@ class ValidatedIntegrator:
 
     def run(self) -> Transit:
         """Integrate until it is shown that the slip returns, or that it does not."""
-        while self.steps < _MOST_BOX_STEPS:
+        while self.steps < MOST_STEPS:
             check_time()
             if self.steps and self.number == 0 and (most := self._falls_to_zero()) is not None:
                 return self._result(True, most)
@@ -274,7 +273,7 @@ class ValidatedIntegrator:
             else:
                 if (result := self._follow(step)) is not None:
                     return result
-        raise Undecided(f"after {_MOST_BOX_STEPS} steps the slip from P has not turned: it creeps to rest")
+        raise Undecided(f"after {MOST_STEPS} steps the slip from P has not turned: it creeps to rest")
 
     def _result(self, returns: bool, lowest: arb, *, turned: bool = False) -> Transit:
         highest = self.reached.union(self.highest)
@@ -373,13 +372,8 @@ class ValidatedIntegrator:
                 lowest = highest = w.intersection(w_stop + rate * (span - stop))
             above = rate > 0 or lowest > low or (not self.number and w < 1 and q_start >= 0)
             below = high is None or rate < 0 or highest < high
-            top = arb(highest.upper())
-            if (
-                above
-                and below
-                and (depth >= _HALVINGS_AT_HIGHEST or not (rate.overlaps(arb(0)) and top > self.highest))
-            ):
-                self.highest = self.highest.max(top)
+            if above and below:
+                self.highest = self.highest.max(arb(highest.upper()))
             elif depth == self.bits:
                 raise self._too_wide()
             else:

@@ -23,12 +23,11 @@ from stickslip_sym.motion.kernel.slip_data import ADDED, PRECISE, TIGHT, SlipEnd
 from stickslip_sym.motion.orbits.damping import DAMPING_RTOL, STEP_ERRORS
 from stickslip_sym.motion.orbits.needed import PARTED, orbit_damping_ratio, velocity_mismatch_at
 from stickslip_sym.motion.slip import SAME_AMPLITUDE, NondimensionalOscillator
+from stickslip_sym.motion.thresholds.operating_points import VANISHING
 from stickslip_sym.numerics.resolved import ERRORS_OF_CLEAR_SIGN
 
 _TABULATED_OVER_HIGHEST = 1.5
 """Times the highest slip speed, up to which a derivative of the law is tabulated: steps try further."""
-_OF_SPRING = 0.1  # friction may be far weaker than the spring, whose share of these errors is that
-_NO_FRICTION = 1e-7  # eta below which the changes of a mismatch may be nothing but rounding
 _MOST_FATE_STEPS = 2000  # of such a slip: the search for a threshold takes about as many
 
 
@@ -61,7 +60,7 @@ def _confirm(system: NondimensionalOscillator, zeta: float, off: float) -> None:
     largest = abs(zeta) + abs(system.push(1)) + abs(system.eta * system.table.rise(system.V))
     if max(off, largest) == 0.0:  # nothing but the spring acts, and all orbits are closed
         return
-    errors = ADDED * (largest + _OF_SPRING)  # of a slip, over the tolerance of its steps
+    errors = ADDED * (largest + 1.0)  # of a slip, over the tolerance of its steps: of friction and of the spring
     off = max(off, STEP_ERRORS * errors * PRECISE)
     steps = off / (STEP_ERRORS * errors)
     ratios = np.array([zeta - off, zeta + off])
@@ -125,7 +124,7 @@ def grazing_sensitivity(law: FrictionLaw, osc: Oscillator) -> dict[str, float]:
         ),
         "N": Wedge(excess * friction, 0.0, -friction, rise.pieces, still),
     }
-    if eta < _NO_FRICTION and 0.0 < abs(osc.N * derivative(sources["N"])) < ROUNDING:
+    if eta < VANISHING and 0.0 < abs(osc.N * derivative(sources["N"])) < ROUNDING:
         raise NotConverged(
             f"how the threshold changes is not known at eta = {eta:g} and V = {V:g} m/s: friction is so weak that "
             "its changes are lost in rounding; try an average of the slope"

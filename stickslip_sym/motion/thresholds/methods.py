@@ -34,7 +34,7 @@ from stickslip_sym.motion.thresholds.operating_points import VANISHING, Operatin
 if TYPE_CHECKING:
     from stickslip_sym.motion.thresholds.theorem import Theorem
 
-_THRESHOLDS_TO_COMPILE = 200  # simulated thresholds, for which loading the compiled code is no loss
+THRESHOLDS_TO_COMPILE = 200  # simulated thresholds, for which loading the compiled code is no loss
 _PHASES, _COLLOCATION_TAIL = 64, 3e-5  # of half a period, and the tail that the law may have there for collocation
 _FALLS = 30.0  # by so much the tail is smaller on the finest grid of collocation, where it has to be within rtol
 _RELATIVE_KINK_DISTANCE = 1e-6  # of V: an orbit that comes so close to a kink is taken to pass it
@@ -428,7 +428,7 @@ def _orbit_changes(points: OperatingPoints) -> dict[str, FloatArray]:
 
 def _damping_by_simulation(points: OperatingPoints, rtol: float) -> Computed:
     """Return the damping at which the simulated slip from P grazes the belt's speed."""
-    fast = len(points) >= _THRESHOLDS_TO_COMPILE
+    fast = len(points) >= THRESHOLDS_TO_COMPILE
     computed = _each(
         points, lambda row: grazing_damping(points.bound, points.oscillator(row), rtol=rtol, fast=fast)
     )

@@ -30,7 +30,6 @@ from stickslip_sym.output.layout import prose_latex
 from stickslip_sym.output.notation import latex_name
 
 _MOST_BITS_BEYOND_DISTANCE = 600  # of a decision, beyond those of its distance from the threshold
-_CURVED = 10  # the secant is off by the square of the bracket, times this
 _FIRST_BRACKET = 1e-2  # of the first bracket, relative
 
 
@@ -213,7 +212,7 @@ class Search:
                 return Enclosure(low, high)
             # By the secant where it converges, else by halves.
             middle = self._secant()
-            radius = max(half, _CURVED * (high - low) ** 2 / size)
+            radius = max(half, (high - low) ** 2 / size)
             if middle is None or not low < middle < high or radius > (high - low) / 4:
                 middle = (low + high) / 2
                 radius = Fraction(0)

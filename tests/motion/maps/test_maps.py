@@ -214,3 +214,11 @@ def test_the_command_prints_a_picture_and_writes_files(run, tmp_path):
     assert (tmp_path / "m.png").read_bytes().startswith(b"\x89PNG")
     assert len((tmp_path / "m.csv").read_text().splitlines()) == 121
     assert (tmp_path / "m.npz").exists()
+
+
+def test_a_map_is_computed_in_parts_of_a_hundred_cells():
+    """Of which progress is said, and one cell each is confirmed."""
+    said = []
+    plane = {"x": ("c", np.linspace(1, 3, 100)), "y": ("V", [0.5, 0.6])}
+    ss.motion_map(ss.laws.linear.typical(), **plane, N=9.81, m=1, k=100, progress=lambda *done: said.append(done))
+    assert said[-1] == (2, 2)

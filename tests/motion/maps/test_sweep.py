@@ -97,7 +97,7 @@ def test_numbers_of_cycles_change_where_basins_do(name, values, folds):
 
 
 def test_folds_that_are_not_resolved_are_named(monkeypatch):
-    monkeypatch.setattr("stickslip_sym.motion.maps.sweep._MOST_QUANTITY_VALUES", 1)
+    monkeypatch.setattr("stickslip_sym.motion.maps.sweep.MOST_ORBITS", 1)
     found = ss.basin_sweep(TWO, paper_oscillator(3.8), ("N", [7, 12]), x0=(-0.2, 0.2), v0=(-1, 1))
     assert found.unresolved == ((7.0, 12.0),)
     assert "folds not resolved from 7 to 12" in str(found)

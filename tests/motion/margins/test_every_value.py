@@ -52,7 +52,7 @@ def test_two_at_an_extremum_of_strong_friction(above):
 
 def test_what_the_budget_leaves_open_is_said(monkeypatch):
     """In words, and as data: within which values."""
-    monkeypatch.setattr(module, "_MOST_AVERAGES", 20)
+    monkeypatch.setattr(module, "MOST_INTERVALS", 1)
     law = ss.FrictionLaw("0.4 - 0.1*v + 0.02*sin(10*a)*v").bind(a=1)
     found = ss.critical(law, "a", c=0.981, V=0.5, N=9.81, within=(0.5, 2))
     assert found.unresolved == ((0.5, 2.0),)
@@ -134,3 +134,30 @@ def test_critical_values_at_strong_friction_against_scipy():
         (1.0005 * high, False),
     ):
         assert _returns(law.bind(v_s=v_s), **point) == returns
+
+
+def test_where_it_looks_where_nothing_is_said():
+    """At N <|mu'|> from 1e-8 to 10 sqrt(k m), 24 decades of belt speeds, and a hundredth of a parameter to 100."""
+    law = ss.FrictionLaw("0.5 - a*v").bind(a=0.2)
+    weak, strong = (np.array([1e-8, 10]) * 10 / 0.2).tolist()
+    for of, low, high in (
+        ("V", 1e-12, 1e12),
+        ("N", weak, strong),
+        ("m", (9.81 / strong) ** 2, (9.81 / weak) ** 2),
+        ("k", 100 * (9.81 / strong) ** 2, 100 * (9.81 / weak) ** 2),
+    ):
+        assert ss.critical(law, of, c=1.0, **without(POINT, of)).looked == pytest.approx((low, high), rel=1e-9)
+    law = ss.laws.exponential.typical()
+    for c in (0.9, 1.1):
+        found = ss.critical(law, "alpha", c=c, V=0.5, N=9.81, method="equilibrium")
+        assert found.looked == pytest.approx((0.03, 300), rel=1e-9)
+
+
+@pytest.mark.parametrize(("N", "method"), [(1.0, "second_order"), (2.5, "orbit")])
+def test_values_are_known_to_a_thousandth_of_the_tolerance(N, method):
+    """The second order is off by 2e-7 and by 7e-6 there; 1e-3 was asked for."""
+    law, point = ss.laws.exponential.typical(), POINT | {"N": N}
+    c = ss.pure_slip_damping(law, **point, rtol=1e-10).value
+    (found,) = ss.critical(law, "N", c=c, **without(point, "N"), within=(0.9 * N, 1.1 * N))
+    assert found.method == method
+    assert found.value == pytest.approx(N, rel=1e-6)

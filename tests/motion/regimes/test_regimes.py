@@ -293,3 +293,13 @@ def test_a_cycle_within_a_layer_at_rest(width):
     assert ss.regime(law, osc).attractors[1] == outer
     high = ss.limit_cycles(law, ss.Oscillator(m=1, k=1, V=1, N=1, c=0.13))
     assert high == ()
+
+
+def test_a_separatrix_obeys_the_equation_of_motion_between_its_nodes():
+    law, osc = ss.laws.exponential.typical(), ss.Oscillator(m=1, k=100, c=2.3, V=0.5, N=9.81)
+    for curve in ss.regime(law, osc).separatrices:
+        place = np.arange(curve.w.x[0], curve.w.x[-1]) + 0.37
+        x, v = curve.onset + osc.length * curve.q(place), osc.V * (1 - curve.w(place))
+        dx, dv = osc.length * curve.q.derivative()(place), -osc.V * curve.w.derivative()(place)
+        force = osc.N * law.at_speeds(osc.V - v) - osc.c * v - osc.k * x
+        assert osc.m * v * dv == pytest.approx(force * dx, rel=0, abs=1e-12)

@@ -87,3 +87,20 @@ def test_auto_gives_the_first_good_value():
     assert last["second_order"] >= 10  # what is cheap suffices as far as it can
     assert last["simulation"] >= 1
     assert last["orbit"] >= 1
+
+
+@pytest.mark.parametrize(
+    ("rate", "rtol", "method"),
+    [(300, 1e-3, "orbit"), (500, 1e-3, "simulation"), (180, 1e-8, "orbit"), (207, 1e-8, "simulation")],
+)
+def test_an_orbit_is_sought_by_collocation_where_few_phases_resolve_the_law(rate, rtol, method):
+    """Of a fall near rest 64 phases of half a period leave 1e-5, 1e-4, 2e-7 and 7e-7 over."""
+    law = ss.FrictionLaw("0.3 + 0.2*exp(-a*v)").bind(a=rate)
+    assert ss.pure_slip_damping(law, **POINT | {"N": 40}, rtol=rtol).method == method
+
+
+@pytest.mark.parametrize(("beyond", "method"), [(3e-7, "simulation"), (3e-6, "second_order")])
+def test_a_kink_just_beyond_the_highest_slip_speed(beyond, method):
+    """At 3e-7 of the belt's speed the orbit may pass it, at 3e-6 it does not."""
+    law = ss.FrictionLaw("0.4 - 0.1*v + 0.1*Max(v - b, 0)").bind(b=1 + 0.5 * beyond)
+    assert ss.pure_slip_damping(law, **POINT | {"N": 1e-6}).method == method

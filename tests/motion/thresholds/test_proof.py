@@ -330,3 +330,38 @@ def test_a_negative_threshold_is_proved_too():
     assert "no damping is needed" in str(found)
     with pytest.raises(ss.NoThreshold):
         ss.pure_slip_damping(ss.laws.coulomb.typical(), V=0.5, N=9.81, m=1, k=100, method="proof")
+
+
+def test_the_first_step_from_where_mu_is_not_analytic():
+    """It costs no digits, and hundreds of steps at most, each as long as the way from rest allows."""
+    point = ExactPoint(ss.laws.stribeck.typical(delta="1.5"), R(1, 2), R(981, 100), R(1), R(100))
+    decided = transit(point, R(1, 2), 48)
+    assert decided.returns
+    assert decided.width < 1e-10
+    assert decided.steps < 1000
+
+
+def decisions(value, error, bits):
+    """Return how many decisions enclose 1, by a lowest speed of known form, if each needs some bits."""
+
+    def decision(x, given):
+        if given < bits:
+            raise boxes.Undecided("too few bits")
+        off = arb(str(float(x - 1)))
+        return boxes.Transit(x < 1, off + off**2, True, arb(2), 1, given, 0.0)
+
+    search = theorem.Search(decision, "c")
+    enclosure = search.around(value, error, 1e-9)
+    assert enclosure.low < 1 < enclosure.high
+    return len(search.decided)
+
+
+def test_what_is_known_to_a_half_is_enclosed_in_few_decisions():
+    """Where it is off by less than a hundredth, as guesses are."""
+    assert decisions(1.009, 0.5, 0) <= 8
+
+
+def test_a_proof_takes_some_hundred_bits_beyond_the_distance_and_no_thousand():
+    assert decisions(1.004, 0.005, 500) < 20
+    with pytest.raises(ss.NotConverged, match=r"undecided at c = .* too few bits"):
+        decisions(1.004, 0.005, 1000)

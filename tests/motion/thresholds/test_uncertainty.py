@@ -143,3 +143,13 @@ def test_the_larger_and_the_smaller_of_two_parameters(formula):
     for name, x in values.items():
         slope = (threshold(**{name: x * 1.0001}) - threshold(**{name: x * 0.9999})) / (2e-4 * x)
         assert found.sensitivity[name] == pytest.approx(slope, rel=1e-3, abs=1e-6)
+
+
+@pytest.mark.parametrize(("error", "count"), [("1.0(3)", 0), ("1.0(5)", 1)])
+def test_a_tenth_between_the_orders_is_warned_of(error, count):
+    """Of c = 0.1 N exp(a) the second order over the first is sqrt(1 + 1.5 s^2): 1.07 and 1.17."""
+    law = ss.FrictionLaw("0.5 - 0.1*exp(a)*v", parameters=[ss.Parameter("a", positive=False)]).bind(a=error)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        _ = ss.pure_slip_damping(law, **POINT).uncertainty
+    assert len(said) == count
