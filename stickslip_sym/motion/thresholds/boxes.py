@@ -34,6 +34,7 @@ from stickslip_sym.motion.kernel.slip_data import MOST_STEPS
 from stickslip_sym.numerics.known import Unknown
 
 _SCALES = tuple(2.0**-i for i in range(-1, 9))  # of the radii that are tried for the polydisc
+_HALVINGS_AT_HIGHEST = 8  # halvings of a step on which w is highest
 _START_SHARE = 3  # the first step from a point where mu is not analytic is 2^-(bits/3)
 _w = sp.Symbol("w")
 
@@ -372,8 +373,13 @@ class ValidatedIntegrator:
                 lowest = highest = w.intersection(w_stop + rate * (span - stop))
             above = rate > 0 or lowest > low or (not self.number and w < 1 and q_start >= 0)
             below = high is None or rate < 0 or highest < high
-            if above and below:
-                self.highest = self.highest.max(arb(highest.upper()))
+            top = arb(highest.upper())
+            if (
+                above
+                and below
+                and (depth >= _HALVINGS_AT_HIGHEST or not (rate.overlaps(arb(0)) and top > self.highest))
+            ):
+                self.highest = self.highest.max(top)
             elif depth == self.bits:
                 raise self._too_wide()
             else:

@@ -28,6 +28,7 @@ from stickslip_sym.numerics.resolved import ERRORS_OF_CLEAR_SIGN
 
 _TABULATED_OVER_HIGHEST = 1.5
 """Times the highest slip speed, up to which a derivative of the law is tabulated: steps try further."""
+_OF_SPRING = 0.1  # friction may be far weaker than the spring, whose share of these errors is that
 _MOST_FATE_STEPS = 2000  # of such a slip: the search for a threshold takes about as many
 
 
@@ -60,7 +61,7 @@ def _confirm(system: NondimensionalOscillator, zeta: float, off: float) -> None:
     largest = abs(zeta) + abs(system.push(1)) + abs(system.eta * system.table.rise(system.V))
     if max(off, largest) == 0.0:  # nothing but the spring acts, and all orbits are closed
         return
-    errors = ADDED * (largest + 1.0)  # of a slip, over the tolerance of its steps: of friction and of the spring
+    errors = ADDED * (largest + _OF_SPRING)  # of a slip, over the tolerance of its steps
     off = max(off, STEP_ERRORS * errors * PRECISE)
     steps = off / (STEP_ERRORS * errors)
     ratios = np.array([zeta - off, zeta + off])
