@@ -61,7 +61,7 @@ from stickslip_sym.output.content import content
 from stickslip_sym.output.data import DataResult, TableResult, columns_of
 from stickslip_sym.output.shown import Shown
 
-_FASTEST = 1e12  # m/s, belt speed up to which one is sought, and down to one over that
+_FASTEST_BELT = 1e12  # m/s, belt speed up to which one is sought, and down to one over that
 _STRONGEST = 10.0  # N <|mu'|>/sqrt(k m), or static excess over V sqrt(k m), up to which N, m and k are sought
 _AROUND = 100.0  # factor above and below a parameter's value within which it is sought, and of a first interval
 _WITHIN = Argument("within", ("low", "high"))
@@ -582,7 +582,7 @@ class _Search:
             end = table.reach
             if len(table.pieces) > MOST_INTERVALS:  # as of a law that varies for ever
                 end = float(table.pieces[MOST_INTERVALS, 0])
-            whole = 1 / _FASTEST, min(_FASTEST, end / 2)  # slip reaches 2 V, and more
+            whole = 1 / _FASTEST_BELT, min(_FASTEST_BELT, end / 2)  # slip reaches 2 V, and more
             speeds = np.geomspace(*whole, NODES * len(_spaced(*whole)))
             strong = [0, *np.flatnonzero(self._strong(speeds)) + 1, speeds.size + 1]
             first = int(np.diff(strong).argmax())  # of the widest range in which friction is nowhere too strong
