@@ -29,7 +29,7 @@ from stickslip_sym.numerics.known import Unknown
 Rising = Callable[[FloatArray], FloatArray]
 """mu(v) - mu(0+) of an array of slip speeds in m/s, NaN where mu has no value."""
 
-_ACCURATE_DIFFERENCE = 0.02  # a difference of coefficients that has lost few digits
+_ACCURATE_DIFFERENCE = 0.25  # a difference of coefficients that has lost a digit or less
 _SPEEDS = 2.0 ** np.arange(-80, 81)  # m/s, between which one as large is looked for
 _START = sp.Dummy("start", positive=True)
 """The slip speed where a piece begins."""

@@ -4,6 +4,7 @@ import dataclasses
 import math
 from itertools import pairwise
 
+import mpmath
 import numpy as np
 import pytest
 import sympy as sp
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 
 import stickslip_sym as ss
 from stickslip_sym.core import balls, symbols
+from stickslip_sym.model.at_rest import rises_of
 from stickslip_sym.model.expression.pieces import branch_from
 from stickslip_sym.model.expression.transitions import transitions
 from stickslip_sym.model.table import FARTHEST, TABLE_DEGREE, FrictionTable, _Segment
@@ -217,6 +219,10 @@ def test_steps_end_where_pieces_are_so_narrow_that_stages_may_miss_them():
     assert made_of(0, 1, 1.03, 1.07, 1.12, 1.2)._landings.tolist() == [1, 2]
 
 
+def test_a_law_varies_gradually_whose_pieces_are_a_twentieth_of_the_belt_speed_wide():
+    assert [made_of(0, 0.5, 0.5 + width, 2.5).at(1.0).gradual for width in (0.08, 0.03)] == [True, False]
+
+
 def test_what_a_transition_asks_of_an_interval():
     """That it is no wider than two of its widths, beside it one more for each that it is away."""
     segment = _Segment(np.asarray, 0.3, 0.0, 2.0, False, changes=np.array([[1.0], [0.1]]))
@@ -254,3 +260,17 @@ def test_a_slope_several_times_as_steep_as_that_of_a_polynomial_is_seen(times, i
     segment = _Segment(lambda v: 0.3 * np.expm1(-3 * v), 0.3, 0.5, 1.0, False, slopes=[slope])
     pieces, end = segment.tabulated()
     assert (len(pieces) > 1, end) == (is_seen, 1.0)
+
+
+@pytest.mark.parametrize(
+    "text", ["0.2 + 0.3*exp(-3*v)", "0.2 + 0.3/(1 + v/0.1)", "(0.2 + 0.3*exp(-3*v))*(1 + 0.1*tanh(v))"]
+)
+def test_a_rise_is_off_by_two_roundings(text):
+    """A difference of two coefficients would be off by more, the smaller it is."""
+    law = ss.FrictionLaw(text)
+    ((_, rising),) = rises_of([(sp.S.Zero, law.expr)], {})
+    v = np.geomspace(1e-4, 20, 200)
+    with mpmath.workdps(40):
+        mu = law.function("mpmath")
+        exact = np.array([float(mu(mpmath.mpf(speed)) - mu(mpmath.mpf(0))) for speed in v.tolist()])
+    assert rising(v) == pytest.approx(exact, rel=2.2 * 2.0**-52, abs=0)

@@ -96,3 +96,11 @@ def test_the_radius_of_a_series_may_be_far_below_the_scales_of_arguments():
     v = symbols.v
     with working_precision(BITS):
         assert taylor_model(sp.log(1 + 100 * (1 - sp.exp(-v))) / v, {}) is not None
+
+
+def test_a_series_holds_around_rest_as_far_as_its_function_allows():
+    """That of a logarithm to a quarter of the distance at which it ends; one of an exponential on wider balls."""
+    v = symbols.v
+    with working_precision(BITS):
+        assert taylor_model(sp.log(1 + v) / v, {}).radius >= 0.2
+        assert balls_from_rest((1 - sp.exp(-v)) / v, {})(acb(arb(0.1, 0.11)), False).is_finite()
