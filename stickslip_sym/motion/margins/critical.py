@@ -66,7 +66,7 @@ _STRONGEST = 10.0  # N <|mu'|>/sqrt(k m), or static excess over V sqrt(k m), up 
 _AROUND = 100.0  # factor above and below a parameter's value within which it is sought, and of a first interval
 _WITHIN = Argument("within", ("low", "high"))
 _DIGITS_OF_KEY = round(-math.log10(SAME))  # of N/(V sqrt(k m)), by which one value is known from others
-_ROUGH_RTOL = math.sqrt(OF_ORBITS)  # of a threshold, or of its distance from c: in a sketch half of the digits
+_ROUGH_RTOL = math.sqrt(OF_ORBITS)  # of a threshold in a sketch: half of the digits
 _NONE = Unknown("there is no threshold")
 _ROOT_RTOL_RATIO = 1e-3  # of rtol, the relative error of a threshold at a root
 _FLAT = math.sqrt(SIGNS)  # relative, whose square is nothing: distance of an extremum or an edge, step of Newton's
@@ -542,7 +542,8 @@ class _Search:
                 computed, _ = evaluate(points, methods()["second_order"], OF_ORBITS)
                 value = computed.value
                 error = computed.relative_error * points.error_base(computed.value)
-            far = ~(error <= _ROUGH_RTOL * np.abs(value - self.c))
+            # Of a polynomial through values whose signs are clear the sign is to be clear too.
+            far = ~(ERRORS_OF_CLEAR_SIGN**2 * error <= np.abs(value - self.c))
             rows = np.flatnonzero(far).tolist()
             for row in rows:
                 value[row], error[row] = self._by_slip(points, row, sketch, len(rows))
