@@ -29,7 +29,7 @@ from stickslip_sym.numerics.known import Unknown
 Rising = Callable[[FloatArray], FloatArray]
 """mu(v) - mu(0+) of an array of slip speeds in m/s, NaN where mu has no value."""
 
-_ACCURATE_DIFFERENCE = 0.25  # a difference of coefficients that has lost a digit or less
+_ACCURATE_DIFFERENCE = 0.04  # of the value at rest, or of 1 where that is 0: what has lost few digits
 _SPEEDS = 2.0 ** np.arange(-80, 81)  # m/s, between which one as large is looked for
 _START = sp.Dummy("start", positive=True)
 """The slip speed where a piece begins."""
@@ -99,8 +99,9 @@ def _rise_of_piece(values: Substitution, lowest: Expr, piece: Expr, start: Expr)
     risen = None
     if gained is not None:
         risen = function_at(gained, {**values, _START: start}, "numpy")
+    least = _ACCURATE_DIFFERENCE * (abs(onset) or 1.0)
     with np.errstate(all="ignore"):
-        large = (np.abs(reals(plain(_SPEEDS)) - onset) > _ACCURATE_DIFFERENCE) & (float(start) <= _SPEEDS)
+        large = (np.abs(reals(plain(_SPEEDS)) - onset) > least) & (float(start) <= _SPEEDS)
     terms = cache(lambda: _term_by_term(piece, start, values))
     farthest = np.append(_SPEEDS, np.inf)[np.argmax(np.append(large, True))]  # beyond it products may cancel
 
@@ -113,9 +114,7 @@ def _rise_of_piece(values: Substitution, lowest: Expr, piece: Expr, start: Expr)
             if (lost := ~np.isfinite(value)).any() and piece.is_Add:
                 value = np.array(value)
                 value[lost] = before + sum(of(v[lost]) for of in terms())
-        return np.where(
-            np.isfinite(value) & (v < farthest) & ~(np.abs(difference) > _ACCURATE_DIFFERENCE), value, difference
-        )
+        return np.where(np.isfinite(value) & (v < farthest) & ~(np.abs(difference) > least), value, difference)
 
     return rising
 
