@@ -221,3 +221,9 @@ def test_code_that_drops_brackets_is_caught(monkeypatch, tmp_path):
 def test_functions_that_no_language_has_are_refused(function, name):
     with pytest.raises(ss.InputError, match=f"cannot be written as code: {name} lacks"):
         writer.expression_text(a + 2 * function / b, {V: "V", a: "a", b: "b"}, WRITTEN[name])
+
+
+@pytest.mark.parametrize(("number", "written"), [("1/50", "1/50"), ("1/125", "0.008"), ("21/200", "0.105")])
+def test_a_fraction_that_is_read_at_a_glance_is_no_decimal(number, written):
+    """Of a denominator of two digits."""
+    assert printing.text(sp.Rational(number)) == written
