@@ -47,3 +47,12 @@ def test_weak_friction_does_not_refute_a_threshold(V):
     found = ss.pure_slip_damping(law, **POINT | {"V": V}, method="simulation", rtol=1e-9)
     proved = ss.pure_slip_damping(law, **POINT | {"V": V}, method="proof", rtol=1e-8)
     assert found.value == pytest.approx(proved.value, rel=2e-8)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("N", [1.3e6, 2e6])
+def test_rounding_along_a_slip_does_not_refute_a_threshold(N):
+    """Where friction is so strong that a slip is off by 1e-8, whatever its steps."""
+    osc = ss.Oscillator(c=0.0, **POINT | {"N": N})
+    value, error = grazing_damping(ss.laws.exponential.typical().bound, osc, rtol=1e-9)
+    assert 0 < error < 1e-9 * value
