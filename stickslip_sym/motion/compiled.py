@@ -10,9 +10,8 @@ import logging
 import math
 import os
 import sys
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -22,7 +21,6 @@ from stickslip_sym.core.deadline import exempt_from_time_limit, is_late
 from stickslip_sym.core.interrupts import held_back
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-_SECONDS_TO_ANNOUNCE = 1.0  # seconds, after which a compilation is announced
 _OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": False}
 """Machine code carries out each operation as Python does, in the same order: results are the same to the bit.
 
@@ -66,7 +64,7 @@ def is_ready(function: Callable[..., Any]) -> bool:
 def compiled(function: _Function) -> _Function:
     """Return a compilable function as machine code that runs without holding the interpreter.
 
-    Where compilation takes more than a second, a line on the log or on stderr says so.
+    Where none is kept, a line on the log or on stderr says that it is made.
     """
     if not is_compiling():
         return function
@@ -86,24 +84,14 @@ def compiled(function: _Function) -> _Function:
 
     def call(*arguments: Any) -> Any:
         if not machine_code.overloads:
-            with exempt_from_time_limit(), _announced("compiling the integrator, once for this installation ..."):
+            if not _kept(function):
+                _say_once("compiling the integrator, once for this installation ...")
+            with exempt_from_time_limit():
                 _load_or_make(machine_code, function, tuple(map(numba.typeof, arguments)))
             _ready.add(function)
         return machine_code(*arguments)
 
     return call  # type: ignore[return-value]
-
-
-@contextmanager
-def _announced(line: str) -> Iterator[None]:
-    """Say a line once a block takes more than a second."""
-    notice = threading.Timer(_SECONDS_TO_ANNOUNCE, _say_once, [line])
-    notice.daemon = True
-    notice.start()
-    try:
-        yield
-    finally:
-        notice.cancel()
 
 
 def _load_or_make(machine_code: Any, function: Callable[..., Any], types: tuple[Any, ...]) -> None:
@@ -122,14 +110,19 @@ def _newest_part() -> float:
 
 def _forget(before: float, function: Callable[..., Any]) -> None:
     """Remove machine code, of a function and of what it may call, that was kept before a time."""
-    from numba.core.caching import FunctionCache
-
-    kept: Any = FunctionCache
     for part in {function, *_marked}:
-        for index in Path(kept(part).cache_path).glob(f"*.{part.__name__}-*.nbi"):
+        for index in _kept(part):
             with suppress(FileNotFoundError):  # another process may have done so
                 if index.stat().st_mtime < before:
                     index.unlink()
+
+
+def _kept(function: Callable[..., Any]) -> list[Path]:
+    """Return the files that list the machine code of a function on disk."""
+    from numba.core.caching import FunctionCache
+
+    cache: Any = FunctionCache
+    return [*Path(cache(function).cache_path).glob(f"*.{function.__name__}-*.nbi")]
 
 
 @cache

@@ -292,8 +292,6 @@ class NondimensionalOscillator:
         halves = min(float(np.max(passes, initial=0)), horizon / math.pi)
         batch = math.ceil(_SLIPS_A_BATCH / (1.0 + halves))
         settings = rtol, int(until), level
-        if few is None:
-            few = 0 if is_ready(_follow_all) else _FEW_SLIPS
         self.spread(_follow_all, [*columns], settings, rows, few=few, batch=batch, workers=workers)
         return Slip(*rows.T)
 
@@ -333,15 +331,18 @@ class NondimensionalOscillator:
 
     def spread(
         self, loop: Callable[..., None], columns: Sequence[FloatArray], settings: tuple[Any, ...],
-        rows: FloatArray, *, few: int = _FEW_SLIPS, batch: int = _SLIPS_A_BATCH, workers: int = 1,
+        rows: FloatArray, *, few: int | None = None, batch: int = _SLIPS_A_BATCH, workers: int = 1,
     ) -> None:  # fmt: skip
         """Carry out a loop over many motions, compiled where numba is there and they are more than a few.
 
         The loop gets the rise, columns with an entry for each motion, the settings, and the rows for its results.
 
         - `rows`: those that are not reached when the time of a `time_limit` is up stay as they are.
+        - `few`: how many are left to plain Python; by default none where machine code is loaded.
         - `batch`: how many motions a thread takes at once, at most all between two looks at the time.
         """
+        if few is None:
+            few = 0 if is_ready(loop) else _FEW_SLIPS
         fast = len(columns[0]) > few and is_compiling()
         rise = self.table.at(self.V, arrays=fast)
         run = compiled(loop) if fast else loop

@@ -5,17 +5,17 @@ damping is K = 2 zeta + eta (rise(w) - rise(1))/(w - 1). On the line q = s x, x 
 
     (q - s x)' = -x - s (s - K) x >= 0    where    K >= s + 1/s.
 
-A state with q x > 0 and |q| >= s |x| never leaves q x > 0 if K >= s + 1/s >= 2 from rest up to its own w: it tends
-to rest. Here s is the smaller root, near 1/K. Beside rest that line is the fast direction of the node: the
-test is sharp. A chord lies between the least and the largest slope of the law from rest to w. Backward in time the
-same holds with -eta and -zeta.
+A state with q x > 0, |q| >= s |x| and x x' <= 0 never leaves q x > 0 if K >= s + 1/s >= 2 from rest up to its own
+w: as |q| falls it comes no farther out again, and it tends to rest. Here s is the smaller root, near 1/K. Beside
+rest that line is the fast direction of the node: the test is sharp. A chord lies between the least and the largest
+slope of the law from rest to w. Backward in time the same holds with -eta and -zeta.
 """
 
 import math
 
 from stickslip_sym.model.table import Rise
 from stickslip_sym.motion.compiled import compilable
-from stickslip_sym.motion.kernel.forces import slope_at, slope_standing, standing
+from stickslip_sym.motion.kernel.forces import rate_at, slope_at, slope_standing, standing
 from stickslip_sym.motion.kernel.slip_data import Branch, Field
 
 _PARTS_OF_INTERVAL = 8  # of an interval of the table, on each of which a slope is bounded
@@ -31,8 +31,11 @@ def creeps(rise: Rise, field: Field, q: float, w: float) -> bool:
     displacement = q + field.push - field.damping - at_rest
     if displacement * x <= 0.0 or high > rise.levels[-1] or _is_jump_between(rise, low, high):
         return False
+    whole = Branch(rise.pieces, 0, len(rise.pieces) - 1, 0)
+    if rate_at(whole, field, q, w) * x > 0.0:  # it may go where the law is another
+        return False
     # The slopes at both ends show most often that it may come, without a look at all between them.
-    here = slope_at(Branch(rise.pieces, 0, len(rise.pieces) - 1, 0), w)
+    here = slope_at(whole, w)
     largest = field.eta * min(here, slope_standing(rise.pieces, w > 1.0))
     if field.eta < 0.0:
         largest = field.eta * max(here, slope_standing(rise.pieces, w > 1.0))

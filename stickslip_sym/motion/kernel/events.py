@@ -2,14 +2,12 @@
 
 import math
 
-from stickslip_sym.core.numbers import EPSILON
+from stickslip_sym.core.numbers import DOUBLE_BITS, EPSILON, ROOT_OF_ROUNDING
 from stickslip_sym.motion.compiled import compilable, inlined
 from stickslip_sym.motion.kernel.forces import bend_at, rate_at, wedge_terms
 from stickslip_sym.motion.kernel.slip_data import Branch, Field, SlipEnd, SlipState, Trial, Wedge
 from stickslip_sym.motion.kernel.steps import stepped
 
-_GUESSES = 20  # steps of Newton's method, after which a bracket is halved
-_OFF = 1e-9  # of tau, over which a straight line is off by less than rounding
 _SHARE_OF_SERIES_STEP = 0.1
 """Of a step, times rtol^(1/3), over which a power series of three terms is off by a part of rtol."""
 
@@ -77,7 +75,8 @@ def _located(
     guesses = 0
     while True:
         guesses += 1
-        if guesses > _GUESSES or not low < length < high:  # where mu is steep Newton's method may creep
+        # Where mu is steep Newton's method may creep: it gets as many guesses as halvings would need.
+        if guesses > DOUBLE_BITS or not low < length < high:
             length = 0.5 * (low + high)
         trial = stepped(implicit, branch, field, state, length, rtol, wedge)
         value = trial.rate if turns else trial.w - level
@@ -90,7 +89,7 @@ def _located(
         shift = -value / change if change != 0.0 else 0.0
         if not turns and trial.rate != 0.0:
             shift -= 0.5 * shift * shift * bend / trial.rate
-        if abs(shift) <= (_OFF if turns else close) and (value == 0.0 or change != 0.0):
+        if abs(shift) <= (ROOT_OF_ROUNDING if turns else close) and (value == 0.0 or change != 0.0):
             return _moved(branch, field, trial, shift, bend, wedge)
         if high - low <= 4.0 * EPSILON * h:
             return trial

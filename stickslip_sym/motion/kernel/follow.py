@@ -42,7 +42,6 @@ _STEPS_HELD_SHORT = 15  # steps held short by stability before the method change
 _NO_ERROR = 1e-7  # of the tolerance, that may be nothing but rounding
 _REST_WITHIN = 10  # times the tolerance: nearer to rest the errors of steps do not let the mass come
 _REST_WIDTH = 1e-6  # of w = 1, from where it is asked whether a mass is at rest
-_CREEP = 2.0  # decay of w from which a deviation from rest has real exponents
 
 
 @compilable
@@ -353,7 +352,8 @@ def _is_beside_rest(rise: Rise, field: Field, state: SlipState, rising: bool, rt
     close = _REST_WITHIN * (rtol + noise)
     if abs(w - 1.0) > close or abs(q - rest) > close * max(1.0, abs(rest)):
         return SlipEnd.OPEN
-    if decay >= _CREEP or (above == below and faster + slower > 0.0):
+    # x'' + decay x' + x = 0 has real exponents from 2 on.
+    if decay >= 2.0 or (above == below and faster + slower > 0.0):
         return SlipEnd.REST
     comes = w != 1.0 and decay > 0.0 and is_slower == rising
     return SlipEnd.LEVEL if above != below and comes else SlipEnd.OPEN

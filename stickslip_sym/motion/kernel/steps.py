@@ -4,16 +4,19 @@ import math
 
 from scipy.integrate import DOP853
 
-from stickslip_sym.core.numbers import EPSILON
+from stickslip_sym.core.numbers import DOUBLE_BITS, EPSILON, ROUNDING
 from stickslip_sym.motion.compiled import compilable, inlined
 from stickslip_sym.motion.kernel.forces import rate_at, rise_at, slope_at, wedge_terms
-from stickslip_sym.motion.kernel.slip_data import Branch, Field, SlipState, Trial, Wedge
+from stickslip_sym.motion.kernel.slip_data import ADDED, Branch, Field, SlipState, Trial, Wedge
 
-_SMALL = 0.01  # states below count as that large in an error: less than order 1, since events are where w is 0
-SHORTEST = 1e-14  # length of a step, over max(tau, 1), that is not made shorter
-_MOST_GUESSES = 100  # of Newton's method, which may have to halve a bracket down to rounding
+_SMALL = 1 / ADDED  # states below count as that large in an error: what adds up is a tolerance of the belt's speed
+SHORTEST = ROUNDING  # length of a step, over max(tau, 1), that is not made shorter
 _EXTRAPOLATION_ROWS = 8  # of the extrapolation
-AMPLIFIED = 4e3  # their rounding errors by it, the sum of its weights
+AMPLIFIED = sum(
+    row ** (_EXTRAPOLATION_ROWS - 1) / (math.factorial(row - 1) * math.factorial(_EXTRAPOLATION_ROWS - row))
+    for row in range(1, _EXTRAPOLATION_ROWS + 1)
+)
+"""Their rounding errors by it: the sum of the sizes of its weights."""
 _A: tuple[tuple[float, ...], ...] = tuple(map(tuple, DOP853.A.tolist()))
 _B, _E, _F = (tuple(row[:12].tolist()) for row in (DOP853.B, DOP853.E5, DOP853.E3))
 _A21 = _A[1][0]
@@ -194,7 +197,7 @@ def _euler(branch: Branch, field: Field, q: float, w: float, s: float) -> float:
     high = w + s * (rate_at(branch, field, q, w) + s * side * (1.0 - side * w))
     rises = high > w
     y = w
-    for _ in range(_MOST_GUESSES):
+    for _ in range(2 * DOUBLE_BITS):
         off = w + s * rate_at(branch, field, q + s * (1.0 - side * y), y) - y
         if (off > 0.0) == rises:
             low = y

@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass, replace
 
 from stickslip_sym.core import deadline
-from stickslip_sym.core.numbers import LARGEST
+from stickslip_sym.core.numbers import LARGEST, ROOT_OF_ROUNDING
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.laws import as_law
 from stickslip_sym.model.oscillator import Oscillator
@@ -18,9 +18,6 @@ from stickslip_sym.motion.orbits.needed import PARTED, forward_and_backward_orbi
 from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.output.data import DataResult
 from stickslip_sym.output.shown import Shown
-
-_RELATIVE_FOLD_DISTANCE = 1e-7
-"""Distance from an orbit over its amplitude: by its square the mismatch changes beside a fold."""
 
 
 @dataclass(frozen=True)
@@ -117,7 +114,7 @@ def _cycle(need: NeededDamping, osc: Oscillator, A: float, stable: bool) -> Limi
     if abs(need.mismatch(A, 2 * osc.zeta)) > PARTED:
         # The orbit touches a speed where mu jumps, and d steps past the damping that there is. Where it rises
         # those inside shrink, and the jump throws those outside on; where it falls both come to slide along it.
-        factor = 0.0 if need.mismatch(A * (1 - _RELATIVE_FOLD_DISTANCE), 2 * osc.zeta) > 0 else math.inf
+        factor = 0.0 if need.mismatch(A * (1 - ROOT_OF_ROUNDING), 2 * osc.zeta) > 0 else math.inf
     return replace(LimitCycle.of(osc, A, ahead.tau + back.tau, factor), stable=stable)
 
 

@@ -25,7 +25,6 @@ from stickslip_sym.core.remedies import Call
 from stickslip_sym.model.law import FrictionLaw
 from stickslip_sym.model.oscillator import Oscillator
 from stickslip_sym.model.table import FrictionTable, Rise
-from stickslip_sym.motion.compiled import is_ready
 from stickslip_sym.motion.kernel.slip_data import PRECISE, TIGHT
 from stickslip_sym.motion.orbits.needed import (
     SearchEnd,
@@ -47,7 +46,6 @@ MOST_ORBITS = 2000
 """Orbits, to resolve it, and rounds that overtake the belt."""
 OF_ORBITS = 1e-8
 """Relative error of the values through which they go, and what polynomials over another quantity leave out."""
-_FEW_ORBITS = 20  # orbits, up to which plain Python is as fast as loading compiled code
 STEP_ERRORS = 3.0
 """Errors of steps, within which an orbit is periodic, and beyond which the fate of a slip is certain."""
 _WEAK_FRICTION = 1.0  # eta, below which mismatches are so small that their steps are to be precise
@@ -325,8 +323,7 @@ def _orbit_dampings(system: NondimensionalOscillator, eta: FloatArray, A: FloatA
     were measured it is the damping at which that begins.
     """
     rows = np.full((A.size, 5), float(SearchEnd.LATE))
-    few = 0 if is_ready(search_damping_ratios) else _FEW_ORBITS
-    system.spread(search_damping_ratios, (eta, np.zeros(A.size), A), (OF_ORBITS,), rows, few=few)
+    system.spread(search_damping_ratios, (eta, np.zeros(A.size), A), (OF_ORBITS,), rows)
     check_time()
     rows[:, 1:] *= 2
     return damping_ratios(rows)

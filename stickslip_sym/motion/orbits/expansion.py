@@ -18,7 +18,7 @@ from stickslip_sym.core.aliases import BoolArray, ComplexArray, FloatArray
 from stickslip_sym.core.numbers import ROUNDING
 from stickslip_sym.model.bound import BoundLaw
 
-_FEWEST_PHASES, _MOST_PHASES = 32, 1024  # in half a period: twice as many each time
+FEWEST_PHASES, _MOST_PHASES = 32, 1024  # in half a period: twice as many each time
 
 
 # Fourier series on 2 K phases theta_j = (j + 1/2) pi/K of a period, the midpoints of cells: of real functions, by
@@ -66,7 +66,7 @@ class GrazingExpansion(NamedTuple):
 
 
 def expand(
-    law: BoundLaw, V: ArrayLike, *, fewest: int = _FEWEST_PHASES, most: int = _MOST_PHASES
+    law: BoundLaw, V: ArrayLike, *, fewest: int = FEWEST_PHASES, most: int = _MOST_PHASES
 ) -> GrazingExpansion:
     """Expand slip orbits for weak friction.
 

@@ -40,13 +40,13 @@ import numpy as np
 from stickslip_sym.core.aliases import FloatArray
 from stickslip_sym.core.deadline import check_time, is_late
 from stickslip_sym.core.errors import NotConverged, NoThreshold, OutOfTime
-from stickslip_sym.core.numbers import ROUNDING
+from stickslip_sym.core.numbers import DOUBLE_BITS, ROOT_OF_ROUNDING, ROUNDING
 from stickslip_sym.model.table import Rise
 from stickslip_sym.motion.compiled import compilable, is_compiling, is_ready
 from stickslip_sym.motion.kernel.follow import follow
 from stickslip_sym.motion.kernel.forces import rise_at, standing
 from stickslip_sym.motion.kernel.slip_data import (
-    ACCURATE_STEP,
+    ADDED,
     LONGEST_STEP,
     MOST_STEPS,
     PRECISE,
@@ -59,40 +59,21 @@ from stickslip_sym.motion.kernel.slip_data import (
     Wedge,
     no_wedge,
 )
+from stickslip_sym.motion.orbits.expansion import FEWEST_PHASES
 from stickslip_sym.motion.slip import NondimensionalOscillator
 from stickslip_sym.numerics.known import Column, Unknown
 
-SIGNS = 1e-11
-"""The relative tolerance of the steps along which the sign of a mismatch is decided."""
-PARTED = 1e-7
+SIGNS = ADDED * PRECISE
+"""The tolerance of the steps along which the sign of a mismatch is decided: errors of the table add up to it."""
+PARTED = ROOT_OF_ROUNDING
 """The mismatch of an orbit beside which d jumps; where d is continuous it is that of rounding."""
 STRONG = 30.0
 """Eta, from which halves are stiff."""
-_LOOSEST_SIGN_RTOL = 1e-5  # tolerance of steps that show the sign of a mismatch far from 0, the loosest
-_STIFF_SIGN_RTOL = 1e-9  # the same where friction is strong
-_MISMATCH_OF_SURE_SIGN = 1e-4  # mismatch above which these steps show its sign
-_LOOSEST_SEARCH_RTOL = 1e-6  # tolerance of steps in a search
-_TOLERANCE_RATIO = 0.01  # times the tolerance, where it did not give the accuracy that is wanted
-_SHARE_OF_ERROR = 0.03
-"""Of the error of the damping ratio that is wanted, a tolerance; and of that, its relative error."""
-_EVEN_SHARE = 1e-2  # of the relative error that is wanted, at most; all of it where friction is strong
+_LOOSEST = math.sqrt(TIGHT)  # tolerance of steps whose secant leads to a root within a tight one
+_UNSURE = ADDED * _LOOSEST  # error of a damping ratio over the largest one at work, that is no value
 _LOOSER = 10.0  # times the tolerance, for the estimate of what the integration is off
-_SECANT_RANGE = 100.0
-"""Times the tolerance of steps, a mismatch from which a secant leads to its root within their errors."""
-_BENT = 0.01  # of a mismatch, that the last secant may be off
-_ADDED_OF_GRADUAL = 50.0
-"""Tolerances that errors of steps add up to along its orbits; in 25,000 of them at most 33."""
-_UNKNOWN_BEND = 2.0  # relative, by which the slope may be off before it was seen
-_FAR = 0.1  # mismatch from which its secant leads closer whatever the errors of loose steps
-_MOST_SECANTS = 8  # mismatches, before a search in a bracket begins anew
-_SLOW = 0.5  # of the mismatch before, above which the secant does not help
 _FALL = -2 * math.pi  # of the mismatch with zeta, where friction is weak
-_MOST_GAPS = 200  # dampings that are tried
-_GUESS_PHASES = 64  # of an orbit, for the first guess
-_WILD = 1e12  # change of friction along an orbit, over its own forces, that is no use to follow
-_MOST_DAMPING_RATIO = 1e6
-"""Damping ratio over 1 + |eta| and over the largest rise of friction, beyond which there is none."""
-_UNSURE = 1e-4  # error of a damping ratio over the largest one at work, that is no value
+_MOST_GAPS = 4 * DOUBLE_BITS  # dampings that are tried: halvings of a bracket, and as many to find one
 
 
 class HalfOutcome(IntEnum):
@@ -163,7 +144,7 @@ def _follow_half(
     """Follow a slip to its maximum, or to a level, however long that takes."""
     longest = LONGEST_STEP
     if rise.gradual and abs(field.eta) <= STRONG:
-        longest = max(longest, ACCURATE_STEP * rtol**0.125)
+        longest = math.inf
     stop = Stop(until, level, math.inf, MOST_STEPS, 0, longest)
     end, state, _, _ = follow(rise, field, 0.0, begin, stop, wedge, rtol, False)
     outcome = HalfOutcome.UNKNOWN
@@ -267,25 +248,22 @@ def velocity_mismatch(
 def mismatch_of_certain_sign(
     rise: Rise, eta: float, zeta: float, push: float, A: float, rtol: float
 ) -> VelocityMismatch:
-    """Return the mismatch by coarse steps where they show its sign, without its derivative."""
+    """Return the mismatch by loose steps where they show its sign, without its derivative."""
     unwanted = no_wedge(rise)
-    coarse = _LOOSEST_SIGN_RTOL
-    if abs(eta) > STRONG:
-        coarse = _STIFF_SIGN_RTOL
-    glance = velocity_mismatch(rise, eta, zeta, push, A, coarse, unwanted)
-    if not glance.leaves and _MISMATCH_OF_SURE_SIGN < abs(glance.value) < math.inf:
-        return glance
+    if abs(eta) <= STRONG:
+        glance = velocity_mismatch(rise, eta, zeta, push, A, _LOOSEST, unwanted)
+        if not glance.leaves and ADDED * _LOOSEST < abs(glance.value) < math.inf:
+            return glance
     return velocity_mismatch(rise, eta, zeta, push, A, rtol, unwanted)
 
 
 @compilable
 def _tolerance(eta: float, zeta: float, rtol: float) -> float:
     """Return the tolerance of steps for a relative error of a damping ratio of about that size."""
-    most = _EVEN_SHARE
-    if abs(eta) > STRONG:
-        most = 1.0
-    share = min(_SHARE_OF_ERROR * abs(zeta), most)
-    return min(max(share * rtol, PRECISE), _LOOSEST_SEARCH_RTOL)
+    share = 0.5 * abs(_FALL * zeta)  # the other half is for the secant
+    if abs(eta) <= STRONG:
+        share = min(share, 1.0)
+    return min(max(share * rtol / ADDED, PRECISE), _LOOSEST)
 
 
 @compilable
@@ -294,21 +272,19 @@ def search_damping_ratio(rise: Rise, eta: float, push: float, A: float, rtol: fl
     zeta, largest = _harmonic(rise, eta, A)
     if max(largest, abs(push)) == 0.0:
         return OrbitDampingRatio(SearchEnd.CLOSED, 0.0, 0.0, 0.0, 0.0)
-    if not largest < _WILD:
+    if not largest * TIGHT < 1.0:  # what the spring does is lost
         return OrbitDampingRatio(SearchEnd.FAILED, zeta, math.inf, -math.inf, math.inf)
-    is_within_reach = rtol * abs(_FALL * zeta) >= _ADDED_OF_GRADUAL * PRECISE
+    is_within_reach = rtol * abs(_FALL * zeta) >= ADDED * PRECISE
     if abs(eta) <= STRONG and is_within_reach and rise.gradual:
         need = _search_by_secants(rise, eta, push, A, rtol, zeta, largest)
         if need.end != SearchEnd.FAILED:
             return need
     steps = _tolerance(eta, zeta, rtol)
     need = _searched(rise, eta, push, A, steps, zeta, largest)
-    while need.end == SearchEnd.CLOSED and need.error > rtol * abs(need.zeta) and steps > PRECISE:
-        steps = max(_TOLERANCE_RATIO * steps, PRECISE)
-        finer = _searched(rise, eta, push, A, steps, zeta, largest)
-        if finer.end != SearchEnd.CLOSED or not finer.error < need.error:
-            break
-        need = finer
+    if need.end == SearchEnd.CLOSED and need.error > rtol * abs(need.zeta) and steps > PRECISE:
+        finer = _searched(rise, eta, push, A, max(steps / ADDED, PRECISE), zeta, largest)
+        if finer.end == SearchEnd.CLOSED and finer.error < need.error:
+            need = finer
     return need
 
 
@@ -321,21 +297,21 @@ def _search_by_secants(
     For moderate friction whose law varies gradually it is known what errors of steps add up to. So steps are as
     long as the error that is wanted allows, and loose while the mismatch is far from 0.
     """
-    steps = _LOOSEST_SEARCH_RTOL
+    steps = _LOOSEST
     added_before = 0.0
     slope = _FALL
-    bend = _UNKNOWN_BEND
+    bend = 1.0  # the slope may be anything before it was seen
     low = -math.inf
     high = math.inf
     last = math.nan
     before = math.nan
-    for _ in range(_MOST_SECANTS):
+    for _ in range(_MOST_GAPS):
         value, _, _, rounding, _ = velocity_mismatch(rise, eta, zeta, push, A, steps, no_wedge(rise))
         if is_late():
             return OrbitDampingRatio(SearchEnd.LATE, zeta, math.inf, low, high)
-        if not math.isfinite(value) or abs(value) > _SLOW * abs(before) + added_before:
+        if not math.isfinite(value) or abs(value) > abs(before) + added_before:
             break
-        added = _ADDED_OF_GRADUAL * steps * max(rounding / ROUNDING, slope / _FALL)
+        added = ADDED * steps * max(rounding / ROUNDING, slope / _FALL)
         if value > added:
             low = max(low, zeta)
         elif value < -added:
@@ -358,8 +334,7 @@ def _search_by_secants(
         before = value
         added_before = added
         zeta = closer
-        if abs(value) <= _FAR:
-            steps = min(enough, _LOOSEST_SEARCH_RTOL)
+        steps = min(enough, _LOOSEST)
     return OrbitDampingRatio(SearchEnd.FAILED, zeta, math.inf, -math.inf, math.inf)
 
 
@@ -376,8 +351,8 @@ def _searched(
     if velocity_mismatch(rise, eta, low, push, A, steps, no_wedge(rise)).leaves:
         return OrbitDampingRatio(SearchEnd.OUTSIDE, zeta, math.inf, low, high)
     looser = _search(rise, eta, push, A, _LOOSER * steps, zeta, largest)
-    error = abs(looser.zeta - zeta) + (high - low) + _LOOSER * steps / -_FALL
-    error += (PRECISE + _SHARE_OF_ERROR * steps) * (abs(zeta) + largest)
+    error = abs(looser.zeta - zeta) + (high - low) + ADDED * steps / -_FALL
+    error += (PRECISE + steps / ADDED) * (abs(zeta) + largest)
     if looser.end != SearchEnd.CLOSED or error > _UNSURE * (abs(zeta) + largest):
         return OrbitDampingRatio(SearchEnd.FAILED, zeta, math.inf, low, high)
     return OrbitDampingRatio(SearchEnd.CLOSED, zeta, error, low, high)
@@ -412,20 +387,20 @@ def _search(
         if math.isfinite(value) and math.isfinite(before) and (value - before) * (zeta - last) < 0.0:
             slope = (value - before) / (zeta - last)
         closer = zeta - value / slope
-        is_slow = abs(value) > _SLOW * abs(before)
+        is_slow = abs(value) > abs(before)
         last = zeta
         before = value
-        if abs(value) <= _SECANT_RANGE * rtol:
+        if abs(value) <= ADDED * rtol:
             loose = velocity_mismatch(rise, eta, zeta, push, A, _LOOSER * rtol, no_wedge(rise)).value
-            off = abs(loose - value) + rounding + _BENT * abs(value)
+            off = abs(loose - value) + rounding + abs(value) / ADDED
             if rtol > PRECISE:
-                off += _LOOSER * rtol
-            error = off / -slope + (PRECISE + _SHARE_OF_ERROR * rtol) * (abs(zeta) + largest)
-            if error <= _UNSURE * (abs(zeta) + largest):
+                off += ADDED * rtol
+            error = off / -slope + (PRECISE + rtol / ADDED) * (abs(zeta) + largest)
+            if error < math.inf:
                 return OrbitDampingRatio(SearchEnd.CLOSED, closer, error, low, high)
         if high - low < math.inf and high - low <= ROUNDING * max(abs(low), abs(high)):
             return OrbitDampingRatio(SearchEnd.CLOSED, zeta, math.inf, low, high)
-        if abs(zeta) > _MOST_DAMPING_RATIO * (1.0 + abs(eta) + largest):
+        if abs(zeta) * _LOOSEST > 1.0 + abs(eta) + largest:  # steps see nothing but the damping
             return OrbitDampingRatio(SearchEnd.NEVER, zeta, math.inf, low, high)
         if math.isfinite(value) and low < closer < high and not is_slow:
             zeta = closer
@@ -498,10 +473,10 @@ def _harmonic(rise: Rise, eta: float, A: float) -> tuple[float, float]:
     whole = Branch(pieces, 0, len(pieces) - 1, 0)
     zeta = 0.0
     largest = 0.0
-    for i in range(_GUESS_PHASES):
-        cosine = math.cos((i + 0.5) * math.pi / _GUESS_PHASES)
+    for i in range(FEWEST_PHASES):
+        cosine = math.cos((i + 0.5) * math.pi / FEWEST_PHASES)
         lifted = eta * rise_at(whole, min(1.0 - A * cosine, end))
-        zeta += lifted * cosine / (A * _GUESS_PHASES)
+        zeta += lifted * cosine / (A * FEWEST_PHASES)
         largest = max(largest, abs(lifted))
     for i in range(len(pieces)):
         if 1.0 - A < pieces[i][1] < 1.0 + A:

@@ -108,6 +108,28 @@ def test_a_mass_that_creeps_to_rest_says_so():
         assert velocity_mismatch(*arguments).value == -math.inf
 
 
+def test_a_mass_on_its_way_out_is_not_shown_to_creep():
+    """Up to its own slip speed the law holds it, but it goes on to where friction falls, and comes past rest."""
+    law = ss.FrictionLaw("0.3 + 10*Min(v, 1.1) - 20*Max(v - 1.1, 0) + 25*Max(v - 3, 0)")
+    system = system_of(law, V=1.0, N=1.0, m=1.0, k=1.0, c=0.0)
+    begin = system.turn(1.0) + 10.0, 1.05
+    assert system.acceleration(*begin) > 0.0
+    assert not creeps(system.rise, system.field(1.0), *begin)
+    assert system.slip(*begin, until=SlipEnd.LEVEL, level=1.0, rtol=1e-8).end is SlipEnd.LEVEL
+    inward = system.turn(1.0) + 0.2, 1.05
+    assert creeps(system.rise, system.field(1.0), *inward)
+    assert system.slip(*inward, until=SlipEnd.LEVEL, level=1.0, rtol=1e-8).end is SlipEnd.REST
+
+
+@pytest.mark.parametrize(("decay", "end"), [(1.0, SlipEnd.RETURN), (3.0, SlipEnd.REST)])
+def test_rest_at_a_kink_is_left_in_swings_alone(decay, end):
+    """Friction falls above it, so a swing leads away; below it deviations swing, or from 2 on they decay."""
+    law = ss.FrictionLaw(f"9 + {decay}*Min(v - 1, 0) - 4*Max(v - 1, 0) + 6*Max(v - 5, 0)")
+    system = system_of(law, V=1.0, N=1.0, m=1.0, k=1.0, c=0.0)
+    slip = system.slip(system.turn(1.0) - 1e-12, 1.0 - 1e-12, horizon=30.0)
+    assert slip.end is end
+
+
 def test_ends_of_searches_are_translated_at_one_place():
     ends = [SearchEnd.CLOSED, SearchEnd.OUTSIDE, SearchEnd.NEVER, SearchEnd.FAILED, SearchEnd.LATE]
     rows = np.array([[end, -0.5, 0.1, -0.6, -0.3] for end in ends], dtype=float)
