@@ -151,7 +151,7 @@ class TaylorModel:
         inner = self.polynomial.left_shift(self.low)
         with working_precision(ctx.prec, count):
             whole, sizes = (
-                arb_series(list(map(of, coefficients)))(arb_series(list(map(of, inner)))) for of in (_same, abs)
+                arb_series(list(map(of, coefficients)))(arb_series(list(map(of, inner)))) for of in (arb, abs)
             )
         largest = arb_poly([abs(c) for c in coefficients])(self.size)
         cut_off = largest - arb_poly([sizes[k] for k in range(count)])(self.radius)
@@ -182,10 +182,6 @@ class TaylorModel:
         left_out = (self.rest * arb(x.abs_upper()) ** max(self.top - self.low, 0)).abs_upper()
         sides = arb(0, left_out), arb(0) if x.imag == 0 else arb(0, left_out)
         return (acb_poly(list(self.polynomial))(x) + acb(*sides)) * _multiply_out(x, self.low)
-
-
-def _same(value: arb) -> arb:
-    return value
 
 
 def _multiply_out(x: acb, power: int) -> acb:

@@ -124,5 +124,5 @@ def _definition(profile: Expr, criterion: Criterion, point: Substitution) -> tup
     mu = function_of([symbols.v], profile.xreplace(shapes), mp.context)
     kinks = kinks_at(profile, shapes)
     number = exact(quadrature.average(mu, kinks, criterion, point[symbols.V], GATE_DIGITS), "value")
-    margin = abs(number) / sp.Integer(10) ** DIGITS_OF_EQUALITY
+    margin = abs(number) / 10**DIGITS_OF_EQUALITY
     return Enclosure.of(number - margin, number + margin), False
