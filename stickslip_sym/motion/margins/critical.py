@@ -210,8 +210,8 @@ def critical(
         Relative error that is good enough, 1e-12 to 1; the width of a proved enclosure.
     within : sequence of float or str, optional
         Two values of one sign between which to look, or more, ascending, where thresholds may have kinks.
-        If not given, a parameter is sought from 1/100 of its value to 100 times it, V from 1e-12 to 1e12 m/s,
-        and N, m and k where N <|mu'|>/sqrt(k m) is from 1e-8 to 10. The
+        If not given, a parameter is sought from 1/100 of its value to 100 times it, V from 1e-12 to 1e12 m/s
+        as far as N <|mu'|>/sqrt(k m) is at most 10, and N, m and k where that is from 1e-8 to 10. The
         result says between which values it looked, and which are not decided: the threshold is resolved by
         polynomials between its values until what they leave out cannot hide a root. A value at which an average
         jumps past c counts too, as the equilibrium's does where V is at a kink of mu.
