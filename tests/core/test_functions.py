@@ -12,6 +12,7 @@ import stickslip_sym as ss
 from stickslip_sym.core import balls, functions
 from stickslip_sym.core.functions import FUNCTIONS, Function
 from stickslip_sym.core.lambdify import function_of, power_of
+from stickslip_sym.core.numbers import read_rtol
 from stickslip_sym.core.precision import working_precision
 from stickslip_sym.core.special import Langevin, Removable
 from stickslip_sym.model.at_rest import stable_difference
@@ -176,3 +177,9 @@ def test_a_high_power_is_rounded_once(exponent):
     with mpmath.workdps(30):
         exact = np.array([float(mpmath.mpf(one) ** exponent) for one in x.tolist()])
     assert power_of(x, exponent) == pytest.approx(exact, rel=2.5e-16, abs=0)
+
+
+def test_a_tolerance_below_what_doubles_hold_is_refused():
+    assert read_rtol(5e-13) == 5e-13
+    with pytest.raises(ss.InputError, match="outside 1e-13 to"):
+        read_rtol(5e-14)
