@@ -7,6 +7,7 @@ threshold as a rule.
 import json
 import math
 import re
+import re
 from dataclasses import asdict, replace
 from html import unescape
 from random import Random
@@ -157,7 +158,9 @@ def test_what_an_average_is(seed, criterion):
         values["average"] = asked(average, **point)
         code = asked(ss.export_code, average, "python")
         if not isinstance(code, NoAnswer):
-            (value,) = values_of("python", code, [("damping", (osc.V, osc.N, *law.values.values()))], None)
+            names = re.search(r"def damping\((.*)\)", code)[1].split(", ")  # without exponents that it is made for
+            numbers = tuple((point | law.values)[name] for name in names)
+            (value,) = values_of("python", code, [("damping", numbers)], None)
             values["code"] = NoAnswer("NaN") if math.isnan(value) else value
     values["enclosure"] = asked(ss.enclose, law, criterion, **point)
     known = {name: float(value) for name, value in values.items() if not isinstance(value, NoAnswer)}
