@@ -7,7 +7,6 @@ threshold as a rule.
 import json
 import math
 import re
-import re
 from dataclasses import asdict, replace
 from html import unescape
 from random import Random
