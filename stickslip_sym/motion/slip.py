@@ -35,6 +35,7 @@ from stickslip_sym.motion.kernel.slip_data import (
 from stickslip_sym.motion.kernel.steps import stepped
 from stickslip_sym.motion.workers import collect
 from stickslip_sym.numerics.known import Column, Unknown
+from stickslip_sym.numerics.resolved import NODES
 
 Number = TypeVar("Number")
 
@@ -120,10 +121,7 @@ def _states(rise: Rise, columns: Any, field: Field, rtol: float, rows: Any) -> N
 
 SAME_AMPLITUDE = 1e-9
 """Over V, the distance of amplitudes that are one, and of slip speeds: a smaller swing is rest."""
-_FEW_SLIPS, _FEW_STATES = (
-    8,
-    1000,
-)  # slips, and states, up to which plain Python is as fast as loading compiled code
+_FEW_STATES = 1000  # up to which plain Python is as fast as loading compiled code; so it is for `NODES` slips
 _SLIPS_A_BATCH = 4000  # slips that a thread takes at once, mostly some hundredths of a second compiled
 _BETWEEN_LOOKS = 0.05  # seconds between two looks at a time limit
 
@@ -342,7 +340,7 @@ class NondimensionalOscillator:
         - `batch`: how many motions a thread takes at once, at most all between two looks at the time.
         """
         if few is None:
-            few = 0 if is_ready(loop) else _FEW_SLIPS
+            few = 0 if is_ready(loop) else NODES
         fast = len(columns[0]) > few and is_compiling()
         rise = self.table.at(self.V, arrays=fast)
         run = compiled(loop) if fast else loop

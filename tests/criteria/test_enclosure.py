@@ -182,7 +182,7 @@ def test_fifty_digits_of_an_end_are_shown_at_most():
 def test_ends_have_no_more_digits_than_their_radius_gives():
     radius = Fraction(1, 2**70)
     ends = rounded_outward(Enclosure(Fraction(1, 3) - radius, Fraction(1, 3) + radius))
-    assert ends.low.denominator == ends.high.denominator == 2**74
+    assert max(ends.low.denominator, ends.high.denominator) == 2**74
 
 
 @given(st.fractions(-1, 1), st.fractions(0, 1), st.integers(-200, 200))

@@ -40,7 +40,7 @@ def rate_at_top(rises, edges, eta, zeta, side):
         pace = abs(rates(0, y)[1])
         longest = min(LONGEST_STEP, 0.3 * (high - low) / pace) if pace > 1e-3 else LONGEST_STEP
         way = solve_ivp(
-            rates, (0, LONGEST), y, method="DOP853", rtol=1e-12, atol=1e-14, events=events, max_step=longest
+            rates, (0, LONGEST), y, method="DOP853", rtol=1e-13, atol=1e-14, events=events, max_step=longest
         )
         y = way.y[:, -1]
         if way.status != 1:

@@ -28,7 +28,8 @@ import sympy as sp
 
 import stickslip_sym as ss
 from stickslip_sym.core import deadline, progress
-from stickslip_sym.motion.orbits import damping, needed
+from stickslip_sym.motion import slip
+from stickslip_sym.motion.orbits import needed
 from support.platforms import WINDOWS
 
 POINT = {"V": 0.5, "N": 9.81, "m": 1.0, "k": 100.0}
@@ -213,7 +214,7 @@ def test_whether_machine_code_is_loaded_means_nothing(name, monkeypatch):
     pytest.importorskip("numba")
     given = []
     for is_loaded in (False, True):
-        for module in (needed, damping):
+        for module in (needed, slip):
             monkeypatch.setattr(module, "is_ready", lambda _, is_loaded=is_loaded: is_loaded)
         forget()
         given.append(CALLS[name]())
