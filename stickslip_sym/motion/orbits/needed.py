@@ -260,7 +260,7 @@ def mismatch_of_certain_sign(
 @compilable
 def _tolerance(eta: float, zeta: float, rtol: float) -> float:
     """Return the tolerance of steps for a relative error of a damping ratio of about that size."""
-    share = 0.5 * abs(_FALL * zeta)  # the other half is for the secant
+    share = 0.25 * abs(_FALL * zeta)  # the rest is for the secant, and for a first guess that is too large
     if abs(eta) <= STRONG:
         share = min(share, 1.0)
     return min(max(share * rtol / ADDED, PRECISE), _LOOSEST)
@@ -282,7 +282,8 @@ def search_damping_ratio(rise: Rise, eta: float, push: float, A: float, rtol: fl
     steps = _tolerance(eta, zeta, rtol)
     need = _searched(rise, eta, push, A, steps, zeta, largest)
     if need.end == SearchEnd.CLOSED and need.error > rtol * abs(need.zeta) and steps > PRECISE:
-        finer = _searched(rise, eta, push, A, max(steps / ADDED, PRECISE), zeta, largest)
+        finer_steps = 0.5 * steps * rtol * abs(need.zeta) / need.error
+        finer = _searched(rise, eta, push, A, max(finer_steps, PRECISE), zeta, largest)
         if finer.end == SearchEnd.CLOSED and finer.error < need.error:
             need = finer
     return need
@@ -394,7 +395,7 @@ def _search(
             loose = velocity_mismatch(rise, eta, zeta, push, A, _LOOSER * rtol, no_wedge(rise)).value
             off = abs(loose - value) + rounding + abs(value) / ADDED
             if rtol > PRECISE:
-                off += ADDED * rtol
+                off += ADDED * rtol * max(1.0, slope / _FALL)
             error = off / -slope + (PRECISE + rtol / ADDED) * (abs(zeta) + largest)
             if error < math.inf:
                 return OrbitDampingRatio(SearchEnd.CLOSED, closer, error, low, high)
