@@ -486,21 +486,23 @@ class Campaign:
         return chosen, total, {"seconds": self._seconds}
 
     def _work(self, _: list[dict[str, Any]], constant: Constant) -> "_Chosen":
-        """Return the answers whose work is counted and lies most in the modules that hold a constant."""
+        """Return the answers whose work lies most in the modules that hold a constant, for the time they take."""
         recorded = json.loads((ROOT / WORK).with_name("work.json").read_text())
         holding = {module for module, _ in self._uses[constant.module, constant.name].aliases}
         of_modules = {module.removeprefix(PACKAGE + "/").removesuffix(".py") for module in holding}
-        shares = dict[str, float]()
+        worth = dict[str, float]()
+        seconds = dict[str, float]()
         for name, work in recorded.items():
             within = sum(count for module, count in work["calls"].items() if module in of_modules)
             if within:
-                shares[name] = within / sum(work["calls"].values())
+                calls = sum(work["calls"].values())
+                seconds[name] = SECONDS_TO_BEGIN + SECONDS_A_CALL * calls
+                worth[name] = within / calls / seconds[name]
         chosen, left = list[str](), SECONDS_OF_WORK
-        for name in sorted(shares, key=shares.__getitem__, reverse=True):
-            seconds = SECONDS_TO_BEGIN + SECONDS_A_CALL * sum(recorded[name]["calls"].values())
-            if seconds <= left:
+        for name in sorted(worth, key=worth.__getitem__, reverse=True):
+            if seconds[name] <= left:
                 chosen.append(f"{WORK}::test_work[{name}]")
-                left -= seconds
+                left -= seconds[name]
         return chosen, SECONDS_OF_WORK, {"work": len(chosen)}
 
 
