@@ -478,17 +478,22 @@ def test_the_header_is_among_the_first_lines(tmp_path, notes, is_read):
             ss.read_measurements(path)
 
 
+def assert_left_out(path, count, refusal):
+    """So many rows are read where others may be left out, or the file is refused."""
+    if refusal is None:
+        assert len(ss.read_measurements(path, leave_out=True)) == count
+    else:
+        with pytest.raises(ss.InputError, match=refusal):
+            ss.read_measurements(path, leave_out=True)
+
+
 @pytest.mark.parametrize(("wrong", "is_read"), [(6, True), (20, False)])
 def test_a_few_rows_may_break_a_rule(tmp_path, wrong, is_read):
     """Of 50; where 40 % of the coefficients are above 5, their column is one of other units."""
     faulty = np.random.default_rng(2).choice(48, wrong, replace=False) + 1
     rows = [f"{0.02 * i + 0.02},{9 if i in faulty else 0.4}" for i in range(50)]
     path = write(tmp_path, "v [m/s],mu", *rows)
-    if is_read:
-        assert len(ss.read_measurements(path, leave_out=True)) == 50 - wrong
-    else:
-        with pytest.raises(ss.InputError, match="too many to leave out"):
-            ss.read_measurements(path, leave_out=True)
+    assert_left_out(path, 50 - wrong, None if is_read else "too many to leave out")
 
 
 @pytest.mark.parametrize(("wrong", "is_read"), [(2, True), (5, False)])
@@ -497,11 +502,7 @@ def test_a_few_rows_of_one_end_may_be_left_out(tmp_path, wrong, is_read):
     order = np.random.default_rng(4).permutation(50)
     rows = [f"{0.02 * i + 0.02},{9 if i >= 50 - wrong else 0.4}" for i in order]
     path = write(tmp_path, "v [m/s],mu", *rows)
-    if is_read:
-        assert len(ss.read_measurements(path, leave_out=True)) == 50 - wrong
-    else:
-        with pytest.raises(ss.InputError, match="they are those of the highest speeds"):
-            ss.read_measurements(path, leave_out=True)
+    assert_left_out(path, 50 - wrong, None if is_read else "they are those of the highest speeds")
 
 
 # -- what rows determine -----------------------------------------------------------------------------

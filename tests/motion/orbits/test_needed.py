@@ -158,3 +158,12 @@ def test_bounds_of_slopes_hold_all_slopes(seed):
     if creeps(system.rise, system.field(1.0), q0, w0):
         run = system.slip(q0, w0, until=SlipEnd.LEVEL, level=1.0, rtol=1e-8)
         assert run.end is SlipEnd.REST
+
+
+def test_errors_of_steps_are_those_of_a_steep_mismatch():
+    """Twenty times as steep as where friction is weak: along this orbit a step's error is magnified as much."""
+    law = ss.FrictionLaw("0.3 + 0.3567*exp(-3.9886*v) + 0.0555*v + 0.0286*sin(11.9658*v)")
+    rise, eta, A = law.bound.table.at(1.979548242592538), 8.388500130903271, 0.7082091044961418
+    found, exact = (needed.search_damping_ratio(rise, eta, 0.0, A, rtol) for rtol in (1e-8, 1e-13))
+    assert found.end == exact.end == SearchEnd.CLOSED
+    assert abs(found.zeta - exact.zeta) <= found.error + exact.error
